@@ -24,5 +24,5 @@ fn main() {
         }
     }
     let changed = git(&["status", "--porcelain", "--untracked-files=no"]).is_none_or(|changes| !changes.is_empty());
-    println!("cargo::rustc-env=HOST_SIM_COMMIT={commit}{}", if changed { ", changed" } else { "" });
+    println!("cargo::rustc-env=COHOLD_COMMIT={commit}{}", if changed { ", changed" } else { "" });
 }

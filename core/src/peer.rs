@@ -63,7 +63,7 @@ impl<S, const N: usize> Sensors<S, N> {
 /// Any built-in law is held by `Peer<S, AnyLaw<S>>`. An image that will only ever run one law names it and carries no other:
 ///
 /// ```
-/// use haptic_core::{device::AXES, law::power::Power, num::Motion, peer::Peer, settings::Settings};
+/// use cohold_core::{device::AXES, law::power::Power, num::Motion, peer::Peer, settings::Settings};
 ///
 /// let mut settings = Settings::default();
 /// // Settings that ask for another law are refused.
@@ -78,7 +78,7 @@ impl<S, const N: usize> Sensors<S, N> {
 /// degradation level for all, since their packets travel together ([`Peer::hear`], [`Peer::exchange`]).
 ///
 /// ```
-/// use haptic_core::{device::kinematics::AnySpatial, law::wave::PassiveMean, num::Motion, peer::Peer, settings::Settings};
+/// use cohold_core::{device::kinematics::AnySpatial, law::wave::PassiveMean, num::Motion, peer::Peer, settings::Settings};
 ///
 /// let mut settings = Settings::default();
 /// settings.coordination.comm = "passive-mean";

@@ -14,9 +14,9 @@
 //! 0 counts: turns of 14 bits add up in 16, the shorter way round is the one that was moved, and [`Design::build`] sees to it that it is, across
 //! readings that are missing, too.
 
-use haptic_core::device::encoder::{self, Counts};
-use haptic_core::safety::Fault;
-use haptic_core::settings::{Refused, Settings};
+use cohold_core::device::encoder::{self, Counts};
+use cohold_core::safety::Fault;
+use cohold_core::settings::{Refused, Settings};
 
 use crate::signals::Coded;
 

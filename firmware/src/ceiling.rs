@@ -12,7 +12,7 @@
 
 use core::fmt;
 
-use haptic_core::settings::{Settings, Value};
+use cohold_core::settings::{Settings, Value};
 
 /// Tables of limits, and a limit elsewhere.
 const LIMITS: [&str; 3] = ["safety.", "probe.", "motor.max_duty"];

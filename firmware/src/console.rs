@@ -9,6 +9,14 @@
 
 use core::fmt::{self, Write};
 
+use cohold_core::contact::{Contact, Side};
+use cohold_core::device::probe::{Outcome, Probe};
+use cohold_core::device::velocity::VelocityName;
+use cohold_core::names::MotorDrive;
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::safety::{Command, Mode};
+use cohold_core::settings::{Refused, SetError, Settings, Value};
+use cohold_protocol::{lease::Word, lines::Line};
 use embassy_time::{Duration, Instant, Timer};
 use firmware_parts::ceiling::{self, Above};
 use firmware_parts::contacts::Contacts;
@@ -20,14 +28,6 @@ use firmware_parts::operator::{self, Misread, Request, Time, Whose};
 use firmware_parts::rate::Rate;
 use firmware_parts::signals::{Button, Order, Saving, Signals};
 use firmware_parts::status;
-use haptic_core::contact::{Contact, Side};
-use haptic_core::device::probe::{Outcome, Probe};
-use haptic_core::device::velocity::VelocityName;
-use haptic_core::names::MotorDrive;
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::safety::{Command, Mode};
-use haptic_core::settings::{Refused, SetError, Settings, Value};
-use haptic_protocol::{lease::Word, lines::Line};
 
 use crate::board::drive::{Drive, Fitted};
 use crate::board::{Number, bridges, clocks::CORE_HZ, current, pace, update};
@@ -98,7 +98,7 @@ pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Refused<
             "false, because only a current loop reads one",
         ),
     ])?;
-    haptic_core::device::encoder::check(&settings)?;
+    cohold_core::device::encoder::check(&settings)?;
     // The object starts at zero, so the device starts where it is just clear of it.
     let clear = -Contact::build(&settings).clear_of(Real::ZERO);
     let mut device = [Motion::REST; JOINTS];

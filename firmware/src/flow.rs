@@ -5,6 +5,12 @@
 //! the link takes what is authentic and newer than the last; only flow of a peer whose motors are on reaches the tick. When
 //! the link lets go of the other peer, the tick does too ([`Signals::life`]).
 
+use cohold_core::law::{Law as _, bounds::Bounds};
+use cohold_core::settings::Settings;
+use cohold_protocol::link::{ConfigError, Link, Notice};
+use cohold_protocol::peer::{Lives, flow_in, flow_of, open, packets_of};
+use cohold_protocol::wire::{Datagram, MAX_DATAGRAM};
+use cohold_protocol::{ends::Ends, key::Key};
 use embassy_futures::select::{Either3, select3};
 use embassy_net::{IpEndpoint, Stack};
 use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, signal::Signal};
@@ -12,12 +18,6 @@ use embassy_time::Instant;
 use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::image::{Law, SHARED};
 use firmware_parts::signals::Signals;
-use haptic_core::law::{Law as _, bounds::Bounds};
-use haptic_core::settings::Settings;
-use haptic_protocol::link::{ConfigError, Link, Notice};
-use haptic_protocol::peer::{Lives, flow_in, flow_of, open, packets_of};
-use haptic_protocol::wire::{Datagram, MAX_DATAGRAM};
-use haptic_protocol::{ends::Ends, key::Key};
 
 use crate::board::{Number, pace, random};
 use crate::log::log;

@@ -5,7 +5,7 @@
 //! a source that gives the same at every start gives other bytes all the same, which who does not hold both of its keys cannot
 //! foresee. One that works is as good as without this.
 
-use haptic_protocol::key::Key;
+use cohold_protocol::key::Key;
 
 /// What random bytes are made from.
 #[derive(Clone, Copy, Debug)]

@@ -9,7 +9,7 @@
 
 use core::fmt;
 
-use haptic_core::safety::Fault;
+use cohold_core::safety::Fault;
 
 use crate::keys;
 use crate::status::Stop;

@@ -1,13 +1,13 @@
 //! Hold to run: motors are on only while an operator lets them, unless they run alone.
 //!
-//! What decides is [`haptic_protocol::lease`]. Here it meets the board: the port brings the operator's words, the console starts runs,
+//! What decides is [`cohold_protocol::lease`]. Here it meets the board: the port brings the operator's words, the console starts runs,
 //! and the supervisor, without which the watchdog bites, looks every few ms. A look compares what the lease wants with what the tick
 //! does. If the lease wants motors off, the next tick turns them off. If the tick has turned them off for a reason of its own, such as
 //! a fault, a released switch or the end of a probe, then the lease ends, too. So motors are off within `safety.operator_lost_s` after
 //! the operator's last permission, whatever becomes of the datagrams that take it back.
 
-use haptic_core::safety::Mode;
-use haptic_protocol::lease::{AtBoard, Holder, Motors, No, Told, Word};
+use cohold_core::safety::Mode;
+use cohold_protocol::lease::{AtBoard, Holder, Motors, No, Told, Word};
 
 use crate::signals::Signals;
 
@@ -36,7 +36,7 @@ impl Hold {
         let _ = self.holder.step(now_us, event);
     }
 
-    /// The operator's newest datagram says this ([`haptic_protocol::link::Link::heard`]); true if motors go off by it.
+    /// The operator's newest datagram says this ([`cohold_protocol::link::Link::heard`]); true if motors go off by it.
     pub fn hear(&mut self, now_us: u64, (word, echo_us): (u8, Option<u64>), signals: &Signals) -> bool {
         self.step(now_us, AtBoard::Heard { word: Word::of_byte(word), echo_us });
         self.turns_off(signals, NOT_LET)

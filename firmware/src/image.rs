@@ -1,7 +1,7 @@
 //! What the image is made for: how many motors the board has, along how many axes the object is shared, and by which laws.
 //!
-//! The usual image is for devices of one or two motors and one shared axis, with the laws of haptic-core. The feature `all-laws` adds those
-//! of haptic-laws. The second image (feature `three-axes`) is for three motors and an object that is shared along all of their axes. It names
+//! The usual image is for devices of one or two motors and one shared axis, with the laws of cohold-core. The feature `all-laws` adds those
+//! of cohold-laws. The second image (feature `three-axes`) is for three motors and an object that is shared along all of their axes. It names
 //! its law and its kind of mechanism, and carries no other, so that what it has three of still fits into ITCM. A third one (feature
 //! `moteus`) has the first one's laws, for a motor with a controller of its own, and a fourth (feature `spi-encoders`) differs from the
 //! first in what reads its joints. Any of them may talk by USB in place of Ethernet (feature `usb`).
@@ -14,11 +14,11 @@
 pub type Real = f32;
 /// The numbers that the peer computes with.
 #[cfg(feature = "fixed-point")]
-pub type Real = haptic_core::num::Fixed;
+pub type Real = cohold_core::num::Fixed;
 
 #[cfg(not(feature = "three-axes"))]
 mod made_for {
-    use haptic_core::device::AXES;
+    use cohold_core::device::AXES;
 
     /// Joints that have a motor and an encoder.
     pub const JOINTS: usize = AXES;
@@ -26,20 +26,20 @@ mod made_for {
     pub const SHARED: usize = 1;
     /// Any law, chosen by the settings.
     #[cfg(not(any(feature = "all-laws", feature = "fixed-point")))]
-    pub type Law = haptic_core::law::AnyLaw<super::Real>;
+    pub type Law = cohold_core::law::AnyLaw<super::Real>;
     /// Any law, chosen by the settings.
     #[cfg(feature = "all-laws")]
-    pub type Law = haptic_laws::EveryLaw<super::Real>;
+    pub type Law = cohold_laws::EveryLaw<super::Real>;
     /// The passive wave.
     #[cfg(feature = "fixed-point")]
-    pub type Law = haptic_core::law::wave::PassiveWave<super::Real>;
+    pub type Law = cohold_core::law::wave::PassiveWave<super::Real>;
     /// The peer.
-    pub type Peer = haptic_core::peer::Peer<super::Real, Law>;
+    pub type Peer = cohold_core::peer::Peer<super::Real, Law>;
 }
 
 #[cfg(feature = "three-axes")]
 mod made_for {
-    use haptic_core::{device::kinematics::AnySpatial, law::wave::PassiveWave};
+    use cohold_core::{device::kinematics::AnySpatial, law::wave::PassiveWave};
 
     /// Joints that have a motor and an encoder.
     pub const JOINTS: usize = 3;
@@ -48,13 +48,13 @@ mod made_for {
     /// The passive wave on every axis.
     pub type Law = PassiveWave<super::Real>;
     /// The peer.
-    pub type Peer = haptic_core::peer::Peer<super::Real, Law, SHARED, JOINTS, AnySpatial<super::Real>>;
+    pub type Peer = cohold_core::peer::Peer<super::Real, Law, SHARED, JOINTS, AnySpatial<super::Real>>;
 }
 
 pub use made_for::{JOINTS, Law, Peer, SHARED};
 
 /// What a tick commands.
-pub type Actuators = haptic_core::peer::Actuators<Real, JOINTS>;
+pub type Actuators = cohold_core::peer::Actuators<Real, JOINTS>;
 
 /// What a drive may say against being driven.
 #[cfg(feature = "spi-encoders")]

@@ -5,9 +5,9 @@
 
 use core::{fmt, net::Ipv4Addr};
 
-use haptic_core::device::velocity::VelocityName;
-use haptic_core::names::{KinematicsName, MotorDrive};
-use haptic_core::settings::{Allowed, Refused, SetError, Settings, Value};
+use cohold_core::device::velocity::VelocityName;
+use cohold_core::names::{KinematicsName, MotorDrive};
+use cohold_core::settings::{Allowed, Refused, SetError, Settings, Value};
 
 use crate::image::{CURRENT_LOOP, JOINTS, SHARED};
 

@@ -4,7 +4,7 @@
 //! or neither, and never one key for both roles: who holds the peers' key (the other peer, the owner of a hub) must not be able to
 //! arm its motors. So one that was given a single key, by a version before, has none.
 
-use haptic_protocol::key::{Key, Role};
+use cohold_protocol::key::{Key, Role};
 
 use crate::store::Word;
 

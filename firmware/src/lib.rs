@@ -26,4 +26,4 @@ pub mod store;
 pub mod switch;
 pub mod times;
 
-pub use haptic_protocol::record;
+pub use cohold_protocol::record;

@@ -45,6 +45,7 @@ mod tick;
 mod image {
     use core::mem::MaybeUninit;
 
+    use cohold_core::device::probe::{Outcome, Probe};
     use defmt_rtt as _;
     use embassy_executor::{InterruptExecutor, Spawner};
     use embassy_stm32::interrupt::{self, InterruptExt, Priority};
@@ -52,7 +53,6 @@ mod image {
     use firmware_parts::image::Real;
     use firmware_parts::recorder::{self, Reel};
     use firmware_parts::{kept::Kept, record::Record, signals::Signals, status};
-    use haptic_core::device::probe::{Outcome, Probe};
     use static_cell::StaticCell;
 
     use crate::board::drive::{Drive, Fitted};

@@ -15,12 +15,12 @@
 //! Byte by byte as the public register map has it (tests/parts/moteus.rs compares it with the crate `moteus-protocol`). Little-endian words,
 //! as they lie in the CAN controller's memory; floats where words begin.
 
-use haptic_core::device::encoder::Counts;
-use haptic_core::device::{kinematics::Joints, motor::Duty};
-use haptic_core::names::MotorDrive;
-use haptic_core::num::Scalar;
-use haptic_core::safety::{Fault, Patience};
-use haptic_core::settings::{Refused, Settings};
+use cohold_core::device::encoder::Counts;
+use cohold_core::device::{kinematics::Joints, motor::Duty};
+use cohold_core::names::MotorDrive;
+use cohold_core::num::Scalar;
+use cohold_core::safety::{Fault, Patience};
+use cohold_core::settings::{Refused, Settings};
 
 use crate::rate::Rate;
 use crate::signals::Coded;

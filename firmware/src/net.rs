@@ -3,17 +3,17 @@
 //! Addresses are by the strap (board 1 is 192.168.77.1, board 2 192.168.77.2) or as set (`network.*`,
 //! [`firmware_parts::kept`]). A board without its two keys, or without randomness, does not open the network at all.
 
+use cohold_core::settings::Settings;
+use cohold_protocol::{
+    key::Key,
+    link::{ConfigError, Link},
+    peer::Lives,
+};
 use embassy_executor::Spawner;
 use embassy_net::{DhcpConfig, IpEndpoint, Ipv4Address, Ipv4Cidr, Runner, Stack, StackResources, StaticConfigV4};
 use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::kept::Addresses;
 use firmware_parts::keys::Keyless;
-use haptic_core::settings::Settings;
-use haptic_protocol::{
-    key::Key,
-    link::{ConfigError, Link},
-    peer::Lives,
-};
 use static_cell::StaticCell;
 
 use crate::board::{Number, cable, flash};

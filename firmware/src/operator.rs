@@ -6,9 +6,9 @@
 
 use core::str::FromStr;
 
-use haptic_core::device::probe::{self, Shape};
-use haptic_core::settings::{Choice, Value};
-use haptic_protocol::record;
+use cohold_core::device::probe::{self, Shape};
+use cohold_core::settings::{Choice, Value};
+use cohold_protocol::record;
 
 /// What a line asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]

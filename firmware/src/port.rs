@@ -13,14 +13,14 @@
 
 use core::fmt::Write;
 
+use cohold_protocol::lease::{AtBoard, Told, Word};
+use cohold_protocol::lines::{self, Line, Lines, OPERATOR, PORT};
+use cohold_protocol::link::{ConfigError, Link, Notice};
+use cohold_protocol::path::Path;
+use cohold_protocol::wire::{Datagram, MAX_DATAGRAM};
+use cohold_protocol::{ends::Ends, key::Key};
 use embassy_net::{IpEndpoint, Stack};
 use embassy_time::{Duration, Instant, with_timeout};
-use haptic_protocol::lease::{AtBoard, Told, Word};
-use haptic_protocol::lines::{self, Line, Lines, OPERATOR, PORT};
-use haptic_protocol::link::{ConfigError, Link, Notice};
-use haptic_protocol::path::Path;
-use haptic_protocol::wire::{Datagram, MAX_DATAGRAM};
-use haptic_protocol::{ends::Ends, key::Key};
 
 use crate::board::{Number, pace, random};
 use crate::log::{LINES, log};

@@ -3,7 +3,7 @@
 //! The scene asks for a control period of 1, 0.5, 0.25 or 0.2 ms: a whole number of ticks to a millisecond, and of PWM periods to a tick.
 //! What takes time, such as a bridge that wakes, is a constant in milliseconds ([`Ms`]) and is counted in the ticks of the rate at hand.
 
-use haptic_core::settings::Timing;
+use cohold_core::settings::Timing;
 
 /// Milliseconds, not ticks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

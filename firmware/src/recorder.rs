@@ -4,7 +4,7 @@
 //! stands still, and the next ticks go to another. Reels lie in memory that start-up leaves alone, so that they survive a reset: [`after`] finds the
 //! one that tells of it. Power, and a supply that was too low, end them.
 
-use haptic_protocol::record::Record;
+use cohold_protocol::record::Record;
 
 use crate::image::SHARED;
 use crate::status::Stop;

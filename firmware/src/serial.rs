@@ -3,11 +3,11 @@
 //! Text for a person, no key needed and no probe; nothing is heard there. Orders come by the sealed port ([`crate::port`]) alone. A reader
 //! who does not read holds nobody: what he has not taken in [`PATIENCE`] is dropped, and who speaks here never waits.
 
+use cohold_protocol::lines::Line;
 use embassy_executor::Spawner;
 use embassy_futures::select::{Either, select};
 use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, signal::Signal};
 use embassy_time::{Duration, Instant, Timer, with_timeout};
-use haptic_protocol::lines::Line;
 
 use crate::{board::cable::Serial, console::Console};
 

@@ -9,8 +9,8 @@
 use core::marker::PhantomData;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use haptic_core::safety::{Command, Mode};
-use haptic_protocol::{link::Stage, record};
+use cohold_core::safety::{Command, Mode};
+use cohold_protocol::{link::Stage, record};
 
 use crate::image::Trouble;
 use crate::order::{ACQUIRE, RELEASE, kept};

@@ -1,11 +1,11 @@
 //! Why a board started and how far its link is, in words for a person.
 //!
-//! [`Stop`] numbers why a board is not running: 1–31 and from 64 on are the peer's own faults ([`haptic_core::safety::Fault`]), 32 to 63
+//! [`Stop`] numbers why a board is not running: 1–31 and from 64 on are the peer's own faults ([`cohold_core::safety::Fault`]), 32 to 63
 //! those of the board around it. Numbers are never reused.
 
-use haptic_protocol::link::Stage;
+use cohold_protocol::link::Stage;
 
-haptic_core::numbered! {
+cohold_core::numbered! {
     /// Why the board started anew.
     pub enum Stop {
         32 PowerOn: "power came on",

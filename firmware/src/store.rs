@@ -22,7 +22,7 @@ use core::fmt::{self, Write};
 use heapless::String;
 
 use crate::kept::Kept;
-use haptic_core::settings::Value;
+use cohold_core::settings::Value;
 
 /// The unit in which flash is programmed, 32 bytes.
 pub type Word = [u8; 32];

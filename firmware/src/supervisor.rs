@@ -4,12 +4,12 @@
 //! Every 5 ms it looks at the tick counter. It feeds the watchdog only if the tick advanced by 3 to 7 ms since the last look:
 //! a tick that stands still, and a supervisor that does, both end in a reset within [`crate::board::WATCHDOG_MS`].
 
+use cohold_core::safety::Mode;
 use embassy_stm32::gpio::{Input, Level, Output};
 use embassy_stm32::{peripherals::IWDG1, wdg::IndependentWatchdog};
 use embassy_time::{Duration, Ticker};
 use firmware_parts::signals::{Button, Signals};
 use firmware_parts::{button::Watch, hold};
-use haptic_core::safety::Mode;
 
 use crate::{board::pace, lease::Lease, log::log};
 

@@ -8,7 +8,7 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use haptic_core::safety::Mode;
+use cohold_core::safety::Mode;
 
 use crate::signals::Signals;
 

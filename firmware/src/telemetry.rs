@@ -8,12 +8,12 @@
 
 use core::mem::MaybeUninit;
 
+use cohold_core::safety::Mode;
+use cohold_protocol::wire::Sample;
 use firmware_parts::exchange::{Consumer, Producer, Reader, Writer};
 use firmware_parts::image::SHARED;
 use firmware_parts::record::{self, PERIODS_IN_ONE, Period, Record};
 use firmware_parts::{recorder::Reel, signals::Signals};
-use haptic_core::safety::Mode;
-use haptic_protocol::wire::Sample;
 
 use crate::board::{current, pace};
 use crate::tick;

@@ -1,28 +1,28 @@
 //! The tick: the interrupt that reads the joints, runs the peer and commands the drive, 1000 to 5000 times a second as the scene asks.
 //!
 //! **Deadline**: a control period from entry to exit; it needs a few microseconds. A tick that has not ended when the next is due is
-//! seen at its end and handed to the next, which latches [`haptic_core::safety::Fault::TickOverrun`]: motors off. One that
+//! seen at its end and handed to the next, which latches [`cohold_core::safety::Fault::TickOverrun`]: motors off. One that
 //! lasts for 2 ms is ended by a reset ([`crate::board::deadman`]).
 //!
 //! **Rules**: above every critical section, and below nothing but the current loop; code in ITCM (but for what only a probe needs), data in DTCM. No lock, no log, no
 //! allocation, no executor, no await; what it shares with tasks is in [`Side`]. It cannot panic.
 //!
-//! Order, as in host-sim's harness: joints; operator's orders, probes and a new scene at packet boundaries, stopping at once;
+//! Order, as in cohold's harness: joints; operator's orders, probes and a new scene at packet boundaries, stopping at once;
 //! what has come; exchange; tick; drive; record.
 
 use core::mem::MaybeUninit;
 
+use cohold_core::device::Reading;
+use cohold_core::device::encoder::Shown;
+use cohold_core::device::probe::{Outcome, Probe};
+use cohold_core::law::Packet;
+use cohold_core::safety::{Command, Fault, Mode};
+use cohold_core::sample::OfAxis;
 use firmware_parts::exchange::{Producer, Reader, Writer, put};
 use firmware_parts::image::{JOINTS, Peer, Real, SHARED};
 use firmware_parts::rate::Rate;
 use firmware_parts::record::{self, Record, digest, joints};
 use firmware_parts::signals::Signals;
-use haptic_core::device::Reading;
-use haptic_core::device::encoder::Shown;
-use haptic_core::device::probe::{Outcome, Probe};
-use haptic_core::law::Packet;
-use haptic_core::safety::{Command, Fault, Mode};
-use haptic_core::sample::OfAxis;
 
 use crate::board::drive::{self, Drive, Fitted, Sensed};
 use crate::board::{current, deadman, pace};

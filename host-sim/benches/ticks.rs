@@ -4,14 +4,14 @@
 //! peers, their devices, the network), without recording anything. Throughput is in ticks; a two-peer tick is one tick of
 //! both. `cargo xtask bench` prints them as the tables of the README.
 
+use cohold_cases::ticks::{self, Measure, Recording, TICKS};
+use cohold_core::law::Law;
+use cohold_core::num::Scalar;
+use cohold_core::settings::Settings;
+use cohold_sim::pair::Pair;
+use cohold_sim::scenes;
 use criterion::measurement::WallTime;
 use criterion::{BatchSize, BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use haptic_cases::ticks::{self, Measure, Recording, TICKS};
-use haptic_core::law::Law;
-use haptic_core::num::Scalar;
-use haptic_core::settings::Settings;
-use haptic_sim::pair::Pair;
-use haptic_sim::scenes;
 use std::time::Duration;
 
 /// Two-peer ticks in one measurement: a second at the papers' rate.
@@ -45,7 +45,7 @@ fn two_peer_second(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("two-peer-second");
     group.throughput(Throughput::Elements(SECOND));
     for name in SCENES {
-        let file = scenes::load(haptic_sim::Laws::built_in(), name).expect("built-in scenes are valid");
+        let file = scenes::load(cohold_sim::Laws::built_in(), name).expect("built-in scenes are valid");
         // From the middle of a run, where nothing is at rest.
         let second = |pair: &mut Pair<f32>| (0..SECOND).for_each(|_| pair.step());
         let start = || {

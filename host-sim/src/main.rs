@@ -1,5 +1,5 @@
-//! The `host-sim` command: see `host_sim::command_line`.
+//! The `cohold` command: see `cohold::command_line`.
 
 fn main() -> std::process::ExitCode {
-    host_sim::command_line().main()
+    cohold::command_line().main()
 }

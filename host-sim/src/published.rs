@@ -11,16 +11,16 @@
 mod command;
 pub(crate) mod measure;
 
-use haptic_cli::columns::TableKind;
-use haptic_core::names::Choice;
-use haptic_report::Columns;
+use cohold_cli::columns::TableKind;
+use cohold_core::names::Choice;
+use cohold_report::Columns;
 use rayon::prelude::*;
 
 pub(crate) use self::command::Papers;
 use self::measure as of;
-use haptic_studies::Error;
+use cohold_studies::Error;
 
-haptic_sim::choices! {
+cohold_sim::choices! {
     /// Where the number beside which ours is put comes from.
     ClaimSource {
         "printed" => Printed, "It is in the paper's text or figure.";
@@ -79,7 +79,7 @@ pub(crate) const NUMBERS: &[Number] = &[
         why: "it is F_T/K_T in any model, and 1 N over 310 N/m is 3.23 mm; 3.5 mm are a mean push of 1.09 N" },
     Number { law: "power", paper: COOPERATION, place: "§5.1, Fig. 6", what: "largest gain, 16 ms round trip", unit: "N/m", says: Printed,
         theirs: || 310.0, ours: || of::boundary_n_per_m("power", 310.0),
-        why: "an experiment's largest stable gain lies inside the region; what the paper leaves open moves its boundary (`host-sim paper reproduce`)" },
+        why: "an experiment's largest stable gain lies inside the region; what the paper leaves open moves its boundary (`cohold paper reproduce`)" },
     Number { law: "wave", paper: COOPERATION, place: "§5.2, Fig. 9", what: "mean position discrepancy at 1590 N/m", unit: "mm", says: Printed,
         theirs: || 0.644, ours: || of::discrepancy_mm("wave"), why: "" },
     Number { law: "wave", paper: COOPERATION, place: "§5.1, Fig. 6", what: "largest gain, 16 ms round trip", unit: "N/m", says: Printed,

@@ -21,10 +21,10 @@
 //! What a task on a board does each packet period, here with both peers in one loop:
 //!
 //! ```
-//! use haptic_protocol::ends::Ends;
-//! use haptic_protocol::link::{Config, Link, Notice, Stage};
-//! use haptic_protocol::wire::{AxisFlow, Event, Flow, MAX_DATAGRAM, Message, PeerId};
-//! use haptic_protocol::{key::Key, parameters::Parameters, parameters::Table};
+//! use cohold_protocol::ends::Ends;
+//! use cohold_protocol::link::{Config, Link, Notice, Stage};
+//! use cohold_protocol::wire::{AxisFlow, Event, Flow, MAX_DATAGRAM, Message, PeerId};
+//! use cohold_protocol::{key::Key, parameters::Parameters, parameters::Table};
 //!
 //! fn link(local: u8, remote: u8) -> Link {
 //!     let mut parameters = Parameters::new();

@@ -1,11 +1,11 @@
-//! Between the coordination and the wire (feature `peer`): packets of haptic-core and flow, the settings that two peers must share,
+//! Between the coordination and the wire (feature `peer`): packets of cohold-core and flow, the settings that two peers must share,
 //! and what waits for the next exchange. The same for a board and a PC.
 
-use haptic_core::law::bounds::{Bounds, Sums};
-use haptic_core::law::{Packet, event::LONGEST};
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::playout::Playout;
-use haptic_core::settings::{Settings, Value};
+use cohold_core::law::bounds::{Bounds, Sums};
+use cohold_core::law::{Packet, event::LONGEST};
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::playout::Playout;
+use cohold_core::settings::{Settings, Value};
 
 use crate::link::{Config, ConfigError, Link};
 use crate::{ends::Ends, error::Refusal, key::Key, parameters::Parameters, wire::AxisFlow, wire::Flows, wire::Message};

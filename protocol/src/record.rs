@@ -1,16 +1,16 @@
 //! A board's record of one tick along one shared axis (feature `peer`): what it read, computed and commanded, with a digest of the state
 //! behind it. 27 words of 4 bytes, little-endian; where each begins is in [`word`], and of a quantity of the axis in
-//! [`haptic_core::sample`], f32 there.
+//! [`cohold_core::sample`], f32 there.
 //!
 //! The interrupt fills one [`Record`] a tick; tasks put its bytes into samples of the operator's link. Inputs and digest are enough to run
 //! the same tick again on a PC and compare bits (tests/board does, and so may anyone with a full-rate capture).
 
-use haptic_core::device::stage::{Flow, Measured};
-use haptic_core::law::Packet;
-use haptic_core::num::{Motion, Scalar, StateVector};
-use haptic_core::peer::Observed;
-use haptic_core::sample::{self, OfAxis, OfPeer, SAMPLE};
-use haptic_core::{device::encoder::Counts, device::motor::Duty, safety::Fault, safety::Mode};
+use cohold_core::device::stage::{Flow, Measured};
+use cohold_core::law::Packet;
+use cohold_core::num::{Motion, Scalar, StateVector};
+use cohold_core::peer::Observed;
+use cohold_core::sample::{self, OfAxis, OfPeer, SAMPLE};
+use cohold_core::{device::encoder::Counts, device::motor::Duty, safety::Fault, safety::Mode};
 
 use crate::peer::wire;
 
@@ -39,7 +39,7 @@ pub mod word {
     pub const COUNTS: usize = 1;
     /// Motor duties of the same joints, 2 × i16, 1/32767 of full scale.
     pub const DUTIES: usize = 2;
-    /// Four bytes: [`Mode::number`](haptic_core::safety::Mode::number), the fault's number (0 none), flags ([`super::ENABLED`] and what
+    /// Four bytes: [`Mode::number`](cohold_core::safety::Mode::number), the fault's number (0 none), flags ([`super::ENABLED`] and what
     /// follows it), and the shared axis, from 0, in two bits, above which is the thermistor that the power stage measured.
     pub const MODE: usize = 3;
     /// The packet that came in: position (m), velocity (m/s), wave (√W), 3 × f32; 0 without one.

@@ -1,4 +1,4 @@
-"""Reads recordings of host-sim with the registry's own `mcap`, and compares them with what `host-sim recording convert` made of them.
+"""Reads recordings of cohold with the registry's own `mcap`, and compares them with what `cohold recording convert` made of them.
 
 check.py RECORDING TABLE. Fails with what differs.
 """

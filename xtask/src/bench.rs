@@ -62,7 +62,7 @@ fn times(quick: bool) -> Result<PathBuf, Failure> {
         std::fs::remove_dir_all(&home)
             .map_err(|cause| Failure::new(format!("cannot remove {}: {cause}; remove it by hand", home.display())))?;
     }
-    let mut bench = cargo(&["bench", "--locked", "--package", "host-sim", "--bench", "ticks", "--"]);
+    let mut bench = cargo(&["bench", "--locked", "--package", "cohold", "--bench", "ticks", "--"]);
     if quick {
         bench.arg("--quick");
     }

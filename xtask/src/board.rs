@@ -46,7 +46,7 @@ fn wrong(option: &str, value: &str) -> Option<String> {
     Some(format!("{option} \"{value}\" is not allowed: {allowed}"))
 }
 
-/// The scenes that host-sim has built in, by name: those of the folder.
+/// The scenes that cohold has built in, by name: those of the folder.
 fn built_in() -> impl Iterator<Item = String> {
     let files = fs::read_dir(run::root().join("scenes")).into_iter().flatten().flatten();
     let mut names: Vec<String> =
@@ -107,7 +107,7 @@ pub(crate) fn bench(arguments: &[&str], image: &Path) -> Command {
     // The emulator asks for a newer compiler than it needs.
     bench.args(["--locked", "--ignore-rust-version", "--manifest-path"]);
     bench.arg(run::root().join("tests/board/Cargo.toml"));
-    bench.env("HAPTIC_FIRMWARE", image);
+    bench.env("COHOLD_FIRMWARE", image);
     bench
 }
 

@@ -1,6 +1,6 @@
 //! `cargo xtask bench-check` and `cargo xtask count`: instructions against reviewed tables.
 //!
-//! The first counts one tick on a PC: the bench `instructions` of haptic-cases, under callgrind. The second counts on the
+//! The first counts one tick on a PC: the bench `instructions` of cohold-cases, under callgrind. The second counts on the
 //! board's processor: the programs of tests/count, under QEMU. Either is exact, the same on every run of the same binary,
 //! so the tolerance is for C libraries that copy memory differently, for another compiler, and for how the counting
 //! program itself happens to be laid out, which shows in the shortest calls. What a change to the code does beyond it is

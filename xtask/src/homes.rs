@@ -1,4 +1,4 @@
-//! The step `homes`: two homes behind routers in network namespaces of this machine, with `host-sim` as it is built for tests; and the recipes of
+//! The step `homes`: two homes behind routers in network namespaces of this machine, with `cohold` as it is built for tests; and the recipes of
 //! docs/networks.md, with the programs that they name.
 
 use crate::run::{self, Failure, command};
@@ -14,7 +14,7 @@ pub(crate) fn obstacle() -> Option<String> {
     }
     let programs = [("ip -V", "iproute2"), ("nft", "nftables"), ("irtt version", "irtt"), ("ping -V", "iputils-ping")];
     programs.iter().find_map(|(asked, package)| setup::program(asked, package)).or_else(|| {
-        let name = "haptic-homes-probe";
+        let name = "cohold-homes-probe";
         let made = run::succeeds(&mut command("ip", &["netns", "add", name]));
         let rules = "table ip probe { chain c { type nat hook postrouting priority 100; masquerade; }; }";
         let works = made && run::succeeds(&mut command("ip", &["netns", "exec", name, "nft", rules]));
@@ -23,7 +23,7 @@ pub(crate) fn obstacle() -> Option<String> {
     })
 }
 
-/// Runs the tests behind routers, one after the other; that of two people takes as long as `HAPTIC_HOMES_S` says, s.
+/// Runs the tests behind routers, one after the other; that of two people takes as long as `COHOLD_HOMES_S` says, s.
 pub(crate) fn homes() -> Result<(), Failure> {
     page::browser()?;
     // As all tests are built, so that nothing is built twice.

@@ -173,7 +173,7 @@ fn place(name: &str) -> PathBuf {
     let file = name.replace(|sign: char| !sign.is_ascii_alphanumeric(), "-");
     // What passed in somebody's own checkout may lean on a file that no fresh clone has.
     let who = if env::var_os("CI").is_some() { "passed-in-ci" } else { "passed" };
-    cache.join("networked-haptics").join(who).join(file + ".txt")
+    cache.join("cohold").join(who).join(file + ".txt")
 }
 
 #[cfg(test)]

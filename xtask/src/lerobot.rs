@@ -31,8 +31,8 @@ fn interpreter() -> Option<String> {
     candidates().into_iter().find(fits)
 }
 
-/// Installs this wheel and both packages, and runs their tests, which compare with this host-sim.
-pub(crate) fn check(wheel: &Path, host_sim: &Path) -> Result<(), Failure> {
+/// Installs this wheel and both packages, and runs their tests, which compare with this cohold.
+pub(crate) fn check(wheel: &Path, cohold: &Path) -> Result<(), Failure> {
     let Some(interpreter) = interpreter() else {
         return run::due_in_ci(format!(
             "LeRobot's packages need Python {}, and there is none: install Debian 13's python3.13-venv, or one by pyenv",
@@ -47,5 +47,5 @@ pub(crate) fn check(wheel: &Path, host_sim: &Path) -> Result<(), Failure> {
     let own = ["--force-reinstall", "--no-deps", "--no-index", "--no-build-isolation"];
     run(pip(&python).args(own).arg(wheel).args(&packages))?;
     let mut tests = command(&python.to_string_lossy(), &["-m", "pytest", "--quiet", "-p", "no:cacheprovider"]);
-    run(tests.env("HOST_SIM", host_sim).arg(format!("{FOLDER}/tests")))
+    run(tests.env("COHOLD", cohold).arg(format!("{FOLDER}/tests")))
 }

@@ -61,7 +61,7 @@ const CHORES: [Chore; 18] = [
         more: "Two lanes run side by side. A step that passed on this machine with the same content does not run again. The first failure stops
 both lanes. At a terminal the check asks before apt-get installs a package. At the end it prints what each step took.
 `boards` proves with the linker that the 1 kHz interrupt cannot panic and lies in ITCM, and runs every image on virtual boards and
-haptic-core on QEMU's processor; then come the first build, pages, golden traces, tables and instructions. `rest` is everything
+cohold-core on QEMU's processor; then come the first build, pages, golden traces, tables and instructions. `rest` is everything
 else: tests of a PC in debug with Clippy as the compiler, other platforms, recordings, the Python module, packages, two homes.
   --anew  run every step, whatever passed before
   --lane  run one lane alone: boards or rest
@@ -97,7 +97,7 @@ wire (protocol): instructions-cortex-m7.txt in each. Each count may differ by 2 
         name: "board",
         options: " [--scene FILE] [--set TABLE.KEY=VALUE]... [--seconds S] [--json] [--out DIR]",
         does: "Runs a scene on two virtual boards with the release image, prints its table, writes curves and pictures",
-        more: "Two NUCLEO-H743ZI2 on one wire, closed around host-sim's devices, beside host-sim's f32 run of the same scene.
+        more: "Two NUCLEO-H743ZI2 on one wire, closed around cohold's devices, beside cohold's f32 run of the same scene.
   --scene    scene file or name of a built-in one [default: paper-5.2-passive-wave-16ms]
   --set      override one key of the scene; may be repeated
   --seconds  virtual time, 1 to 3600 s [default: 20]
@@ -135,7 +135,7 @@ processor for a moment when it attaches and when it ends, which turns an armed b
     Chore {
         name: "page",
         options: " [--write] [--measure] [--seconds S]",
-        does: "Checks the sources of host-sim play's page: types, lints, format; or measures it in a browser",
+        does: "Checks the sources of cohold play's page: types, lints, format; or measures it in a browser",
         more: "TypeScript and Biome, in the versions and with the hashes of tests/page/package-lock.json. Installs npm if apt-get can.
   --write    write the format, and mend what can be mended without thought
   --measure  print instead, for the release build without windows and with two in Chromium, how many ticks were late, and
@@ -152,8 +152,8 @@ processor for a moment when it attaches and when it ends, which turns an armed b
         does: "Gives a board its two keys over the debug probe: the one it shares with its peer, and its operator's",
         more: "Puts the keys into the flash sector that memory.x calls KEY and starts the board anew. Flashing an image leaves them
 there. Two files with one key are refused: who holds the peers' could arm the board.
-  --key-file           the peers' key, or that of the board's line to a hub (`host-sim key generate`)
-  --operator-key-file  the operator's key (`host-sim key generate --operator`)
+  --key-file           the peers' key, or that of the board's line to a hub (`cohold key generate`)
+  --operator-key-file  the operator's key (`cohold key generate --operator`)
   --probe              which board, where two are connected (`probe-rs list` names them)",
         run: probe::provision,
     },
@@ -219,7 +219,7 @@ does not lean on what its row says, or if one of the heart newly leans on a gues
         options: " [--tag TAG] [--out DIR]",
         does: "Builds a tag as files to give away: images, command line, wheel, sources, what is in them, and sums",
         more: "From a clone of the tag: the boards' images, one for each feature, without this machine's paths (the same toolchain makes the same bytes anywhere),
-host-sim, on x86-64 once more for AVX2 and for AVX-512, and on Linux for glibc 2.17 and later, the Python module as wheel and sources, the crates, a list of all packages and licences (CycloneDX, by cargo-cyclonedx,
+cohold, on x86-64 once more for AVX2 and for AVX-512, and on Linux for glibc 2.17 and later, the Python module as wheel and sources, the crates, a list of all packages and licences (CycloneDX, by cargo-cyclonedx,
 which is installed below target/), what built them, and SHA-256 sums. Nothing is uploaded. The tag is `v` and the version in Cargo.toml.
 `cargo xtask test` in that clone says whether it is fit to be given away.
   --tag  which tag [default: that of what is checked out]

@@ -12,15 +12,15 @@ use crate::{board::target, platforms, python, run};
 
 /// What the simulator and the analyser need of this repository, and they; and the laws of other papers.
 pub(crate) const CRATES: [&str; 9] = [
-    "haptic-core",
-    "haptic-laws",
-    "haptic-protocol",
-    "haptic-io",
-    "haptic-columns",
-    "haptic-plot",
-    "haptic-report",
-    "haptic-sim",
-    "haptic-analysis",
+    "cohold-core",
+    "cohold-laws",
+    "cohold-protocol",
+    "cohold-io",
+    "cohold-columns",
+    "cohold-plot",
+    "cohold-report",
+    "cohold-sim",
+    "cohold-analysis",
 ];
 
 /// Packs and checks everything.

@@ -39,9 +39,9 @@ pub(crate) fn measure(seconds: &str) -> Result<(), Failure> {
         )));
     }
     browser()?;
-    let mut test = run::cargo(&["test", "--locked", "--release", "--package", "host-sim", "--test", "suite", "--"]);
+    let mut test = run::cargo(&["test", "--locked", "--release", "--package", "cohold", "--test", "suite", "--"]);
     test.args(["--ignored", "--exact", "--nocapture", "play::how_punctual_and_how_soon"]);
-    let said = run::output(test.env("HAPTIC_MEASURE_S", seconds))?;
+    let said = run::output(test.env("COHOLD_MEASURE_S", seconds))?;
     said.lines().filter(|line| line.starts_with('|')).for_each(|line| println!("{line}"));
     Ok(())
 }

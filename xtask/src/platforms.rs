@@ -14,7 +14,7 @@ const CHECKED: [&str; 2] = ["x86_64-pc-windows-gnu", "aarch64-apple-darwin"];
 /// What is linted and documented as well: benches and examples that no test compiles.
 pub(crate) const LINTED: &str = "aarch64-unknown-linux-gnu";
 /// Packages for another processor, or for the emulator of one.
-const NOT_FOR_PCS: [&str; 3] = ["board-bench", "firmware", "haptic-rig"];
+const NOT_FOR_PCS: [&str; 3] = ["board-bench", "firmware", "cohold-rig"];
 
 /// What cargo is called with: each call has its platforms' build scripts and macros compiled once.
 pub(crate) fn calls() -> [Command; 3] {

@@ -86,7 +86,7 @@ pub(crate) fn provision(given: &Options<'_>) -> Result<(), Failure> {
     let address = address()?;
     let here = std::env::current_dir().map_err(|cause| Failure::new(format!("no working directory: {cause}")))?;
     let image = Image(run::root().join("target").join(format!("key-{}.bin", std::process::id())));
-    let mut make = cargo(&["run", "--quiet", "--locked", "--package", "host-sim", "--", "key", "image"]);
+    let mut make = cargo(&["run", "--quiet", "--locked", "--package", "cohold", "--", "key", "image"]);
     make.arg("--key-file").arg(here.join(peers)).arg("--operator-key-file").arg(here.join(operator));
     run(make.arg(&image.0))?;
     run(download.args(["--verify", "--binary-format", "bin", "--base-address", &address]).arg(&image.0))?;

@@ -1,4 +1,4 @@
-//! `cargo xtask wheel` and `cargo xtask python`: host-sim as a Python module, built with maturin and tested as it is installed.
+//! `cargo xtask wheel` and `cargo xtask python`: cohold as a Python module, built with maturin and tested as it is installed.
 //!
 //! What both need of Python comes from the registry, in the versions of host-sim/python/requirements.txt, into a virtual environment
 //! below target/.
@@ -99,10 +99,10 @@ pub(crate) fn python() -> Result<(), Failure> {
     let wheel = wheel(run::root(), &run::root().join("target/python"), "dev")?;
     let python = own_environment()?;
     run(pip(&python).args(["--force-reinstall", "--no-deps", "--no-index"]).arg(&wheel))?;
-    let host_sim = run::host_sim(false)?;
+    let cohold = run::cohold(false)?;
     let mut tests = command(&python.to_string_lossy(), &["-m", "pytest", "--quiet", "-p", "no:cacheprovider"]);
-    run(tests.arg("host-sim/python/tests").env("HOST_SIM", &host_sim))?;
-    lerobot::check(&wheel, &host_sim)
+    run(tests.arg("host-sim/python/tests").env("COHOLD", &cohold))?;
+    lerobot::check(&wheel, &cohold)
 }
 
 #[cfg(test)]

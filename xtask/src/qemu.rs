@@ -1,5 +1,5 @@
-//! The step `qemu`: a second opinion on the processor. haptic-core alone under QEMU's Cortex-M7 (tests/qemu) must compute what
-//! host-sim computes, bit for bit, and must turn its outputs off first when it panics or runs out of stack.
+//! The step `qemu`: a second opinion on the processor. cohold-core alone under QEMU's Cortex-M7 (tests/qemu) must compute what
+//! cohold computes, bit for bit, and must turn its outputs off first when it panics or runs out of stack.
 
 use std::path::Path;
 
@@ -27,17 +27,17 @@ pub(crate) fn qemu(ready: &Ready) -> Result<(), Failure> {
     let mut build = ready.cargo(&["build", "--locked", "--release"]);
     run::compile(build.env("CARGO_TARGET_DIR", &target).current_dir(&folder))?;
     let image = target.join(THUMB_TARGET).join("release/second-opinion");
-    let host_sim = run::host_sim(false)?.display().to_string();
+    let cohold = run::cohold(false)?.display().to_string();
     let recording = target.join("recording.bin");
     let name = recording.display().to_string();
     for scene in SCENES {
         for number in ["1", "2"] {
-            let mut record = command(&host_sim, &["board", "record"]);
+            let mut record = command(&cohold, &["board", "record"]);
             record.args(["--scene", scene, "--number", number, "--seconds", SECONDS, &name]);
             let (ours, theirs) = (run::output(&mut record)?, told(&image, "replay", &name)?);
             if ours.trim().is_empty() || ours.trim() != theirs.trim() {
                 return Err(Failure::new(format!(
-                    "{scene}, peer {number}: host-sim computes {}, QEMU's Cortex-M7 {}",
+                    "{scene}, peer {number}: cohold computes {}, QEMU's Cortex-M7 {}",
                     ours.trim(),
                     theirs.trim()
                 )));

@@ -3,11 +3,11 @@
 //!
 //! | marker, a line of its own | what it holds |
 //! |---|---|
-//! | `<!-- host-sim ARGUMENTS -->` | before a fenced block: the command's standard output |
-//! | `<!-- first N lines of host-sim ARGUMENTS -->` | before a fenced block: where its output begins |
-//! | `<!-- table of host-sim ARGUMENTS -->` | before a Markdown table: the first table of its output |
+//! | `<!-- cohold ARGUMENTS -->` | before a fenced block: the command's standard output |
+//! | `<!-- first N lines of cohold ARGUMENTS -->` | before a fenced block: where its output begins |
+//! | `<!-- table of cohold ARGUMENTS -->` | before a Markdown table: the first table of its output |
 //! | `<!-- file PATH -->` | before a fenced block: a reviewed file of the repository |
-//! | `<!-- PATH from host-sim ARGUMENTS -->` | before a picture: the file that the command writes, copied to where the picture is |
+//! | `<!-- PATH from cohold ARGUMENTS -->` | before a picture: the file that the command writes, copied to where the picture is |
 //!
 //! Commands run in an empty folder, so that what they name does not depend on what others have written. Only commands whose
 //! output does not depend on the clock belong there. `--check` changes nothing, compares no pictures, and fails where a text
@@ -20,9 +20,9 @@ use crate::run::{self, Failure, command, output_up_to};
 
 /// Refreshes all pages or one, or checks that they are fresh.
 pub(crate) fn readme(check: bool, page: Option<&str>) -> Result<(), Failure> {
-    let host_sim = HostSim { program: run::host_sim(true)?.display().to_string(), empty: target().join("pages") };
+    let cohold = HostSim { program: run::cohold(true)?.display().to_string(), empty: target().join("pages") };
     let pages = page.map_or_else(pages, |page| Ok(vec![run::root().join(page)]))?;
-    let stale = pages.iter().map(|page| refresh(page, &host_sim, check)).collect::<Result<Vec<_>, _>>()?;
+    let stale = pages.iter().map(|page| refresh(page, &cohold, check)).collect::<Result<Vec<_>, _>>()?;
     match stale.into_iter().flatten().collect::<Vec<_>>() {
         stale if check && !stale.is_empty() => Err(Failure::new(format!(
             "{} does not say what its commands print; `cargo xtask readme` mends it",
@@ -60,7 +60,7 @@ fn shown(line: &str) -> Option<&str> {
 }
 
 /// Replaces every block of a page by what its command prints now; its name, if that changes it.
-fn refresh(page: &Path, host_sim: &HostSim, check: bool) -> Result<Option<String>, Failure> {
+fn refresh(page: &Path, cohold: &HostSim, check: bool) -> Result<Option<String>, Failure> {
     let name = page.strip_prefix(run::root()).unwrap_or(page).display().to_string();
     let old = run::read(page)?;
     let mut fresh = String::new();
@@ -74,22 +74,22 @@ fn refresh(page: &Path, host_sim: &HostSim, check: bool) -> Result<Option<String
             Some(beginning) => beginning,
             None => (usize::MAX, command),
         };
-        if let Some((picture, arguments)) = command.split_once(" from host-sim ") {
+        if let Some((picture, arguments)) = command.split_once(" from cohold ") {
             let shown = lines.peek().and_then(|line| shown(line));
             let shown = shown.ok_or_else(|| Failure::new(format!("{name}: `{line}` is not followed by a picture")))?;
             if !check {
-                host_sim.prints(arguments)?;
-                let (from, to) = (host_sim.empty.join(picture), page.with_file_name(shown));
+                cohold.prints(arguments)?;
+                let (from, to) = (cohold.empty.join(picture), page.with_file_name(shown));
                 std::fs::copy(&from, to).map_err(|cause| failed("copy", &from, &cause))?;
             }
-        } else if let Some(arguments) = command.strip_prefix("table of host-sim ") {
-            let table = markdown(&host_sim.prints(arguments)?);
+        } else if let Some(arguments) = command.strip_prefix("table of cohold ") {
+            let table = markdown(&cohold.prints(arguments)?);
             fresh += &table.ok_or_else(|| Failure::new(format!("{name}: `{line}` prints no table")))?;
             while lines.next_if(|line| line.starts_with('|')).is_some() {}
-        } else if command.starts_with("host-sim ") || command.starts_with("file ") {
+        } else if command.starts_with("cohold ") || command.starts_with("file ") {
             let printed = match command.strip_prefix("file ") {
                 Some(path) => run::read(&run::root().join(path))?,
-                None => host_sim.prints(command.trim_start_matches("host-sim "))?,
+                None => cohold.prints(command.trim_start_matches("cohold "))?,
             };
             let shown: Vec<&str> = printed.trim_end().lines().take(most).collect();
             fresh += &format!("```text\n{}\n```\n", shown.join("\n"));
@@ -134,7 +134,7 @@ fn markdown(printed: &str) -> Option<String> {
     )
 }
 
-/// host-sim as a newcomer's first command builds it.
+/// cohold as a newcomer's first command builds it.
 struct HostSim {
     program: String,
     /// The folder in which it runs.

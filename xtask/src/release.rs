@@ -45,8 +45,8 @@ pub(crate) fn release(given: &Options<'_>) -> Result<(), Failure> {
     let wider = WIDER.into_iter().filter(|_| env::consts::ARCH == "x86_64" && cfg!(unix));
     for level in std::iter::once("").chain(wider) {
         let (mut build, made) = python::build_by_zig()?;
-        build.args(["--locked", "--release", "--package", "host-sim"]).current_dir(&source);
-        let mut name = format!("host-sim-{tag}-{machine}");
+        build.args(["--locked", "--release", "--package", "cohold"]).current_dir(&source);
+        let mut name = format!("cohold-{tag}-{machine}");
         if !level.is_empty() {
             // Added to the flags that the project has for every x86-64.
             let flags = format!("target.'cfg(target_arch = \"x86_64\")'.rustflags=['-Ctarget-cpu={level}']");
@@ -54,9 +54,9 @@ pub(crate) fn release(given: &Options<'_>) -> Result<(), Failure> {
             // The other one looks for it under this name.
             name = format!("{name}-{level}");
         }
-        let folder = built.join("host-sim").join(level);
+        let folder = built.join("cohold").join(level);
         step(&name, || run(build.env("CARGO_TARGET_DIR", &folder)))?;
-        give(folder.join(made).join("host-sim"), &name)?;
+        give(folder.join(made).join("cohold"), &name)?;
     }
     step("wheel", || python::wheel(&source, &folder, "release").map(drop))?;
     step("sources", || {
@@ -85,7 +85,7 @@ pub(crate) fn release(given: &Options<'_>) -> Result<(), Failure> {
         // All images': the others have nothing that the one for USB has not.
         list(&["--manifest-path", "firmware/Cargo.toml", "--features", "usb", "--target", THUMB_TARGET])
     })?;
-    for (package, name) in [("host-sim", "host-sim"), ("firmware", "firmware"), ("host-sim/python", "haptic-python")] {
+    for (package, name) in [("host-sim", "cohold"), ("firmware", "firmware"), ("host-sim/python", "cohold-python")] {
         let list = format!("{name}.cdx.json");
         give(source.join(package).join(&list), &list)?;
     }

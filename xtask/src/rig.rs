@@ -34,7 +34,7 @@ pub(crate) fn rig(given: &Options<'_>) -> Result<(), Failure> {
 
 /// The program of tests/rig.
 fn rig_of(words: &[&str]) -> Command {
-    let mut rig = cargo(&["run", "--quiet", "--locked", "--package", "haptic-rig", "--bin", "haptic-rig"]);
+    let mut rig = cargo(&["run", "--quiet", "--locked", "--package", "cohold-rig", "--bin", "cohold-rig"]);
     rig.args(words);
     rig
 }
@@ -157,7 +157,7 @@ pub(crate) fn image(ready: &Ready) -> Result<PathBuf, Failure> {
 
 /// Cargo on the rig's image: `build`, or `rustc`.
 pub(crate) fn build(ready: &Ready, what: &str) -> Command {
-    let mut build = ready.cargo(&[what, "--locked", "--profile", "firmware", "--package", "haptic-rig"]);
+    let mut build = ready.cargo(&[what, "--locked", "--profile", "firmware", "--package", "cohold-rig"]);
     build.args(["--bin", "rig", "--target", THUMB_TARGET]);
     build
 }

@@ -92,15 +92,15 @@ pub(crate) fn linted(mut cargo: Command) -> Command {
     cargo
 }
 
-/// Builds host-sim as the tests have it, or as a release, and gives the program.
-pub(crate) fn host_sim(release: bool) -> Result<PathBuf, Failure> {
-    let words = ["build", "--locked", "--quiet", "--package", "host-sim"];
+/// Builds cohold as the tests have it, or as a release, and gives the program.
+pub(crate) fn cohold(release: bool) -> Result<PathBuf, Failure> {
+    let words = ["build", "--locked", "--quiet", "--package", "cohold"];
     let (mut build, folder) = match release {
         true => (cargo(&[&words[..], &["--release"]].concat()), "release"),
         false => (linted(cargo(&words)), "debug"),
     };
     compile(&mut build)?;
-    Ok(target().join(folder).join(format!("host-sim{EXE_SUFFIX}")))
+    Ok(target().join(folder).join(format!("cohold{EXE_SUFFIX}")))
 }
 
 /// Cargo on everything that builds on a PC. Packages chosen together have one set of features, so what one call has built serves the

@@ -5,7 +5,7 @@
 //! when all is there, this takes a fraction of a second.
 //!
 //! Where `rustup target add` is refused, `thumb-toolchain.sh` makes a toolchain named `deb-thumb` from Debian's sources of
-//! the standard library. Its compiler is Debian's, older than the project's, so it serves only as long as haptic-core and
+//! the standard library. Its compiler is Debian's, older than the project's, so it serves only as long as cohold-core and
 //! what it depends on accept it; cargo says so when they do not.
 
 use std::io::{self, BufRead, IsTerminal as _};

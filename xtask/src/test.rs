@@ -82,7 +82,7 @@ const REST: [Step; 11] = [
 /// The rig's image, without the tests of its list, which look at all there is.
 const RIG: [&str; 4] = ["tests/rig/src", "tests/rig/Cargo.toml", "tests/rig/build.rs", "tests/rig/rig.x"];
 /// Is set for the lane that another process waits for. It has no terminal, so it installs nothing that somebody might refuse.
-pub(crate) const WAITED_FOR: &str = "HAPTIC_CHECK_LANE";
+pub(crate) const WAITED_FOR: &str = "COHOLD_CHECK_LANE";
 
 /// Runs every step, or those of one lane, or one alone.
 pub(crate) fn test(given: &Options<'_>) -> Result<(), Failure> {
@@ -259,7 +259,7 @@ pub(crate) fn calls(ready: &Ready) -> Vec<Command> {
         interleavings(),
         count::bench(),
         board::bench(&["test"], Path::new("")),
-        run::linted(cargo(&["build", "--locked", "--package", "haptic-python"])),
+        run::linted(cargo(&["build", "--locked", "--package", "cohold-python"])),
     ]);
     calls.extend(platforms::calls());
     calls.push(rooms_on_chip(ready));
@@ -294,8 +294,8 @@ pub(crate) fn debug_tests() -> Command {
 /// Core, protocol and the roles of the environments for the microcontroller. As the image is: what they need is not built twice.
 fn rooms_on_chip(ready: &Ready) -> Command {
     let mut build = ready.cargo(&["build", "--locked", "--profile", "firmware", "--target", THUMB_TARGET]);
-    build.args(["--package", "haptic-core", "--package", "haptic-protocol"]);
-    build.args(["--package", "haptic-environments", "--no-default-features"]);
+    build.args(["--package", "cohold-core", "--package", "cohold-protocol"]);
+    build.args(["--package", "cohold-environments", "--no-default-features"]);
     build
 }
 
@@ -317,7 +317,7 @@ fn interleavings() -> Command {
     loom
 }
 
-/// haptic-core on another model of the processor; without one it says so, and fails where CI is set.
+/// cohold-core on another model of the processor; without one it says so, and fails where CI is set.
 fn qemu(ready: &Ready) -> Result<(), Failure> {
     qemu::obstacle().map_or_else(|| qemu::qemu(ready), run::due_in_ci)
 }
@@ -351,7 +351,7 @@ fn virtual_boards(ready: &Ready, image: &Path) -> Result<(), Failure> {
 /// The analyser's verdicts beside runs, or the curve of its limits, by the tests of its package.
 pub(crate) fn verdicts(given: &Options<'_>) -> Result<(), Failure> {
     let test = if given.flag("--limits") { "curve::" } else { "verdicts::" };
-    let mut tests = cargo(&["test", "--locked", "--release", "--package", "haptic-analysis", "--test", "suite", test]);
+    let mut tests = cargo(&["test", "--locked", "--release", "--package", "cohold-analysis", "--test", "suite", test]);
     tests.env("LIMITS", "all").env("SCENES", given.value("--scenes").unwrap_or("10000"));
     run(tests.env("SEED", given.value("--seed").unwrap_or("0")).args(["--", "--nocapture"]))
 }

@@ -15,10 +15,10 @@
 //!
 //! **Promises**: nothing drifts, for positions are what is sent. It is not passive: delay lowers the largest stable K_T as in the power-domain law.
 
-use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Promise, Spring};
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::object::Solve;
-use haptic_core::settings::{Refused, Settings};
+use cohold_core::law::{Coupled, Law, LawInfo, Observation, Packet, Promise, Spring};
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::object::Solve;
+use cohold_core::settings::{Refused, Settings};
 
 /// A virtual coupling to the mean of both copies.
 #[derive(Clone, Copy, Debug)]

@@ -23,12 +23,12 @@
 
 use crate::passive_spring::PassiveSpring;
 use crate::tank::START;
-use haptic_core::law::event::{self, LONGEST};
-use haptic_core::law::power::Power;
-use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Promise};
-use haptic_core::num::{Configured, Motion, Scalar, StateVector};
-use haptic_core::object::Solve;
-use haptic_core::settings::{Key, PLENTY_J, Refused, Settings};
+use cohold_core::law::event::{self, LONGEST};
+use cohold_core::law::power::Power;
+use cohold_core::law::{Coupled, Law, LawInfo, Observation, Packet, Promise};
+use cohold_core::num::{Configured, Motion, Scalar, StateVector};
+use cohold_core::object::Solve;
+use cohold_core::settings::{Key, PLENTY_J, Refused, Settings};
 
 const WEBER: Key = Key::number("deadband.weber", 0.1, [0.0, 1.0], "")
     .means("Deadband coding: change of velocity that is worth a packet, over the velocity that was sent last: Weber's fraction k.");

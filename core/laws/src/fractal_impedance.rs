@@ -19,14 +19,14 @@
 //! of every swing outweighs that; it is not a proof, and none is promised here. Two copies that nobody holds, 310 N/m: stable without a damper at 8 ms each way,
 //! where a spring both ways is not; not at 20 ms. So B_T is there, a damper to the ground that the papers do not have: 4 N·s/m carry 20 ms, 8 carry 50, where
 //! a spring both ways takes K_T·T. K_T is constant here; the published force profile may bend and saturate, the limits of a device are in
-//! [`haptic_core::safety`].
+//! [`cohold_core::safety`].
 //!
 //! **Promises** that nothing drifts, for positions are what is sent. It is not linear: no matrix says where it is stable.
 
-use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Promise, Spring};
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::object::port::{Port, Solve, met_midway};
-use haptic_core::settings::{Refused, Settings};
+use cohold_core::law::{Coupled, Law, LawInfo, Observation, Packet, Promise, Spring};
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::object::port::{Port, Solve, met_midway};
+use cohold_core::settings::{Refused, Settings};
 
 /// A spring that is another one on the way back.
 #[derive(Clone, Copy, Debug)]

@@ -1,4 +1,4 @@
-//! Coordination laws of other papers, beside those of [`haptic_core`], under the same trait: each is a file with its equations, its
+//! Coordination laws of other papers, beside those of [`cohold_core`], under the same trait: each is a file with its equations, its
 //! promise and its own keys.
 //!
 //! [`OtherLaw`] is any of them, for a simulator that has core's laws already; [`EveryLaw`] any of them or of core's, for a board.
@@ -8,7 +8,7 @@
 #![forbid(unsafe_code)]
 
 #[macro_use]
-extern crate haptic_core;
+extern crate cohold_core;
 
 pub mod average_position;
 pub mod deadband;
@@ -23,7 +23,7 @@ pub mod two_layer;
 pub mod wave_compensator;
 pub mod wave_integral;
 
-use haptic_core::law::{Law, LawInfo, four_channel, free, p_plus_d, power, self_timed, wave};
+use cohold_core::law::{Law, LawInfo, four_channel, free, p_plus_d, power, self_timed, wave};
 
 /// The examples of the page that registries show.
 #[cfg(doctest)]
@@ -49,7 +49,7 @@ laws! {
 }
 
 laws! {
-    /// Any law of this crate or of [`haptic_core`].
+    /// Any law of this crate or of [`cohold_core`].
     pub enum EveryLaw, EveryLawState {
         Power(power::Power<S>),
         PPlusD(p_plus_d::PPlusD<S>),

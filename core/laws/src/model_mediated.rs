@@ -36,13 +36,13 @@
 mod estimate;
 
 use crate::tank::{MIDPOINT, START, needs_midpoint};
+use cohold_core::law::credit::CAP_J;
+use cohold_core::law::decimate::{Decimator, Mean, MeanState};
+use cohold_core::law::{Coupled, Law, LawInfo, Observation, Packet, Spring};
+use cohold_core::num::{Carry, Motion, Scalar};
+use cohold_core::object::port::{Port, Solve, met_midway};
+use cohold_core::settings::{Key, PLENTY_J, Refused, Settings};
 use estimate::Estimate;
-use haptic_core::law::credit::CAP_J;
-use haptic_core::law::decimate::{Decimator, Mean, MeanState};
-use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Spring};
-use haptic_core::num::{Carry, Motion, Scalar};
-use haptic_core::object::port::{Port, Solve, met_midway};
-use haptic_core::settings::{Key, PLENTY_J, Refused, Settings};
 
 const STIFFNESS: Key = Key::number("model_mediated.correction_n_per_m", 100.0, [0.0, 1e5], "N/m")
     .means("Model-mediated: stiffness K_c that draws the model to the motion that was received.");

@@ -27,10 +27,10 @@
 //! object, contacts or hands have taken all there was: then x_m waits for the next energy that anybody puts in.
 
 use crate::tank::{START, Tank, Tanks};
-use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Promise};
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::object::port::{Port, Solve, met_midway};
-use haptic_core::settings::{Refused, Settings};
+use cohold_core::law::{Coupled, Law, LawInfo, Observation, Packet, Promise};
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::object::port::{Port, Solve, met_midway};
+use cohold_core::settings::{Refused, Settings};
 
 /// One end: half of the spring K_T, whose far end x_m moves only as far as the energy account W pays for.
 #[derive(Clone, Copy, Debug)]

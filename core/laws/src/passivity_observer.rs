@@ -24,11 +24,11 @@
 //! `input-gated`, its name before, is another method (Kanai, Kanazawa, Ichiwara, Ito, Noguchi & Ogata 2025, arXiv 2509.08226; docs/theory.md, section 12).
 
 use crate::tank::{MIDPOINT, START, needs_midpoint};
-use haptic_core::law::credit::CAP_J;
-use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Promise, Spring};
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::object::{Port, Solve};
-use haptic_core::settings::{Refused, Settings};
+use cohold_core::law::credit::CAP_J;
+use cohold_core::law::{Coupled, Law, LawInfo, Observation, Packet, Promise, Spring};
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::object::{Port, Solve};
+use cohold_core::settings::{Refused, Settings};
 
 /// The power-domain spring and damper behind a passivity controller, the gate g.
 #[derive(Clone, Copy, Debug)]

@@ -21,10 +21,10 @@
 //! **Promises** that nothing drifts. The proxy does not make the link passive: x_r is late and held, and the work K_p, B_p do on the proxy at ẋ_r is the
 //! network's.
 
-use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Promise, Spring};
-use haptic_core::num::{Carry, Motion, Scalar};
-use haptic_core::object::port::{Port, Solve, met_midway};
-use haptic_core::settings::{Key, Refused, Settings};
+use cohold_core::law::{Coupled, Law, LawInfo, Observation, Packet, Promise, Spring};
+use cohold_core::num::{Carry, Motion, Scalar};
+use cohold_core::object::port::{Port, Solve, met_midway};
+use cohold_core::settings::{Key, Refused, Settings};
 
 const MASS: Key =
     Key::number("remote_proxy.mass_kg", 0.02, [1e-4, 10.0], "kg").means("Remote dynamic proxy: mass m_p.");

@@ -23,10 +23,10 @@
 //! What it costs is a drag of B_T that is felt in free motion.
 
 use crate::tank::{START, Tank, Tanks};
-use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Promise, Spring};
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::object::{Port, Solve};
-use haptic_core::settings::{Refused, Settings};
+use cohold_core::law::{Coupled, Law, LawInfo, Observation, Packet, Promise, Spring};
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::object::{Port, Solve};
+use cohold_core::settings::{Refused, Settings};
 
 /// One end: a spring to a set position, which moves only as far as the energy tank pays for.
 #[derive(Clone, Copy, Debug)]

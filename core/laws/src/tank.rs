@@ -7,10 +7,10 @@
 //!
 //! That is exact only for a force that is solved for with the copy's motion: `object.integrator = "midpoint"`.
 
-use haptic_core::law::Packet;
-use haptic_core::law::credit::CAP_J;
-use haptic_core::num::Scalar;
-use haptic_core::settings::{Key, PLENTY_J, Refused, Settings};
+use cohold_core::law::Packet;
+use cohold_core::law::credit::CAP_J;
+use cohold_core::num::Scalar;
+use cohold_core::settings::{Key, PLENTY_J, Refused, Settings};
 
 /// Energy in a tank when its law begins, J; two peers can give out at most twice this beyond what was put in.
 pub const START: Key = Key::number("coordination.tank_j", 0.02, [0.0, PLENTY_J], "J")
@@ -54,7 +54,7 @@ pub(super) struct Tank<C> {
 
 /// Refuses every order but those in which a force works with the way of the same tick.
 pub(super) fn needs_midpoint(settings: &Settings) -> Result<(), Refused<'static>> {
-    haptic_core::law::needs_midpoint(
+    cohold_core::law::needs_midpoint(
         settings,
         "\"midpoint\" or \"backward-euler\" where coordination.comm is a law that pays for its energy",
     )

@@ -18,10 +18,10 @@
 //! does not promise that drift is made good: an empty tank pushes nothing.
 
 use crate::tank::{START, Tank, Tanks};
-use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Promise, Spring};
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::object::{Port, Solve};
-use haptic_core::settings::{Key, Refused, Settings};
+use cohold_core::law::{Coupled, Law, LawInfo, Observation, Packet, Promise, Spring};
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::object::{Port, Solve};
+use cohold_core::settings::{Key, Refused, Settings};
 
 const LEVEL: Key = Key::number("coordination.tank_level_j", 0.01, [0.0, 1.0], "J")
     .means("Two-layer: level H_d below which a damper fills the tank.");

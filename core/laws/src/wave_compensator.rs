@@ -20,13 +20,13 @@
 //! drift as on every line that sends waves alone.
 
 use crate::tank::{Tank, Tanks, WAVE_START};
-use haptic_core::law::decimate::{Decimator, Mean, MeanState};
-use haptic_core::law::terminal::{Terminal, TerminalState};
-use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Promise};
-use haptic_core::names::Side;
-use haptic_core::num::{Carry, Motion, Scalar};
-use haptic_core::object::Solve;
-use haptic_core::settings::{Key, Refused, Settings};
+use cohold_core::law::decimate::{Decimator, Mean, MeanState};
+use cohold_core::law::terminal::{Terminal, TerminalState};
+use cohold_core::law::{Coupled, Law, LawInfo, Observation, Packet, Promise};
+use cohold_core::names::Side;
+use cohold_core::num::{Carry, Motion, Scalar};
+use cohold_core::object::Solve;
+use cohold_core::settings::{Key, Refused, Settings};
 
 const BANDWIDTH: Key = Key::number("coordination.compensator_hz", 2.0, [0.0, 50.0], "Hz")
     .means("Wave compensator: bandwidth λ/2π below which the reflected force is freed of its bias.");

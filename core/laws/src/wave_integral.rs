@@ -24,13 +24,13 @@
 //! is thrown away, never what ε needs.
 
 use crate::tank::{WAVE_START, needs_midpoint};
-use haptic_core::law::bounds::Bounds;
-use haptic_core::law::credit::CAP_J;
-use haptic_core::law::terminal::{Terminal, TerminalState};
-use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Promise};
-use haptic_core::num::{Motion, Scalar, StateVector, Sum, visit_counter, visit_sum};
-use haptic_core::object::Solve;
-use haptic_core::settings::{Refused, Settings};
+use cohold_core::law::bounds::Bounds;
+use cohold_core::law::credit::CAP_J;
+use cohold_core::law::terminal::{Terminal, TerminalState};
+use cohold_core::law::{Coupled, Law, LawInfo, Observation, Packet, Promise};
+use cohold_core::num::{Motion, Scalar, StateVector, Sum, visit_counter, visit_sum};
+use cohold_core::object::Solve;
+use cohold_core::settings::{Refused, Settings};
 
 /// Packets over which what is owed is made good, 1/(λ·T_n).
 const CORRECTION_PACKETS: f64 = 4.0;

@@ -2,7 +2,7 @@
 //!
 //! Over a step of a probe, a millisecond, L·Δi = ∫(u − R·i − k·v) dt, whatever happens within it: mean voltage and current, the change of
 //! the current and what the encoder moved, which its ticks know all four ([`super::stage`]), give R, L and k by least squares. On a PC all of it is done from
-//! records (host-sim's `calibrate`), out of a probe that goes as [`way`] says. Here is what has to stand before arming, on the board itself:
+//! records (cohold's `calibrate`), out of a probe that goes as [`way`] says. Here is what has to stand before arming, on the board itself:
 //!
 //! **Before the loop is closed**, a trial: with the enable low and a voltage at the bridge's inputs, neither current nor motion
 //! may come; with it high, the current must change, and along the voltage. Otherwise a loop around the current would run away, or

@@ -9,7 +9,7 @@
 //! What a loss still causes is drift: part of ∫u dt is missing. With **drift correction** packets carry that integral too;
 //! what was sent and not yet emitted is added to u_in over the next packets. It may spend only what lies above a reserve:
 //! the reserve holds the wave through the next loss, and a correction that spends it loses more than it restores (the
-//! same integral in fewer ticks costs more energy). Measured by `host-sim study networks`.
+//! same integral in fewer ticks costs more energy). Measured by `cohold study networks`.
 //!
 //! Credit is capped at [`CAP_J`]: dissipation of minutes must not come back as one blow.
 

@@ -237,9 +237,9 @@ pub fn unknown(settings: &Settings, laws: &'static [LawInfo]) -> Refused<'static
 /// Its state leaves alone what another law's is handed.
 ///
 /// ```
-/// use haptic_core::law::{Law, free::Free, power::Power};
+/// use cohold_core::law::{Law, free::Free, power::Power};
 ///
-/// haptic_core::laws! {
+/// cohold_core::laws! {
 ///     /// One of two.
 ///     pub enum Two, TwoState { Power(Power<S>), Free(Free) }
 /// }

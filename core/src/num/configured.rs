@@ -9,7 +9,7 @@ use super::state::Motion;
 ///
 /// ```
 /// # #[derive(Clone, Copy)] struct Quiet;
-/// impl haptic_core::num::Configured for Quiet {}
+/// impl cohold_core::num::Configured for Quiet {}
 /// ```
 pub trait Configured {
     /// Calls `each` for every word, always in the same order; false if something is left out, as everything is by default.
@@ -22,7 +22,7 @@ pub trait Configured {
 /// from the others, such as an initial state, are named after a semicolon and left out. A field that is missing does not compile.
 ///
 /// ```
-/// use haptic_core::{configured, law::Spring, num::Scalar};
+/// use cohold_core::{configured, law::Spring, num::Scalar};
 ///
 /// struct Predict<S> {
 ///     spring: Spring<S>,

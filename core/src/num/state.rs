@@ -16,7 +16,7 @@ pub trait StateVector<S> {
 /// Implements [`StateVector`](crate::num::StateVector) for a struct: its generics, its type, and the fields that are visited, in this order.
 ///
 /// ```
-/// use haptic_core::{num::{Motion, Scalar}, visited};
+/// use cohold_core::{num::{Motion, Scalar}, visited};
 ///
 /// struct Predicted<S> {
 ///     desired: Motion<S>,

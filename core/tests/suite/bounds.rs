@@ -1,10 +1,10 @@
 //! What another end may say: no law that keeps within the limits of its scene ever says more, whatever it hears and however it is moved.
 
-use haptic_core::law::bounds::Bounds;
-use haptic_core::law::{Law, Observation, Packet};
-use haptic_core::num::Motion;
-use haptic_core::object::Port;
-use haptic_core::settings::{Settings, Value};
+use cohold_core::law::bounds::Bounds;
+use cohold_core::law::{Law, Observation, Packet};
+use cohold_core::num::Motion;
+use cohold_core::object::Port;
+use cohold_core::settings::{Settings, Value};
 use proptest::prelude::*;
 
 use crate::{AnyLaw, BOUNDED, SCHEMA};

@@ -1,6 +1,6 @@
 //! Fixed point against exact integers: sums, quotients and roundings, ends of the range and ties included.
 
-use haptic_core::num::{Fixed, Scalar};
+use cohold_core::num::{Fixed, Scalar};
 use proptest::prelude::*;
 
 /// A step, 2⁻³², in each of 1.

@@ -1,9 +1,9 @@
 //! A body that moves and turns at once: what an hour of it keeps, and the six equations that a tick must satisfy.
 
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::object::free_body::{Flying, FreeBody, Wrench, at_point};
-use haptic_core::object::port::Port;
-use haptic_core::object::vector::{Moving, VectorPort};
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::object::free_body::{Flying, FreeBody, Wrench, at_point};
+use cohold_core::object::port::Port;
+use cohold_core::object::vector::{Moving, VectorPort};
 
 const PERIOD_S: f64 = 1e-3;
 const MASS_KG: f64 = 0.3;

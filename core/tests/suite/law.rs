@@ -1,15 +1,15 @@
 //! A law from outside: one file with its name, its own keys and its state, held by a peer like any other.
 
-use haptic_core::configured;
-use haptic_core::device::{AXES, Reading};
-use haptic_core::law::power::Power;
-use haptic_core::law::{AnyLaw, Coupled, Law, LawInfo, Observation, Packet, Spring};
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::object::Solve;
-use haptic_core::peer::{Peer, Sensors};
-use haptic_core::safety::Command;
-use haptic_core::schema::Schema;
-use haptic_core::settings::{Allowed, Key, Refused, SetError, Settings, Tables, Value};
+use cohold_core::configured;
+use cohold_core::device::{AXES, Reading};
+use cohold_core::law::power::Power;
+use cohold_core::law::{AnyLaw, Coupled, Law, LawInfo, Observation, Packet, Spring};
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::object::Solve;
+use cohold_core::peer::{Peer, Sensors};
+use cohold_core::safety::Command;
+use cohold_core::schema::Schema;
+use cohold_core::settings::{Allowed, Key, Refused, SetError, Settings, Tables, Value};
 
 const AHEAD: Key =
     Key::number("predict.ahead_s", 0.008, [0.0, 0.2], "s").means("How far the remote copy is carried on.");
@@ -122,7 +122,7 @@ fn settings_that_say_the_same_are_the_same() {
 /// Every peer has room for the largest state: a law that is new must not make it larger.
 #[test]
 fn no_state_of_a_law_is_larger_than_the_self_timed_line_s() {
-    use haptic_core::law::{AnyLawState, self_timed};
+    use cohold_core::law::{AnyLawState, self_timed};
     let largest = size_of::<<self_timed::SelfTimed<f32> as Law<f32>>::State>();
     let room = size_of::<AnyLawState<f32>>();
     assert!(room <= largest + 8, "{room} bytes, {largest} of the line");

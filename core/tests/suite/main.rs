@@ -29,10 +29,10 @@ mod total;
 mod two_copies;
 mod winding;
 
-// What every law is asked, haptic-laws asks of its own with the same files.
-use haptic_core::law::AnyLaw;
+// What every law is asked, cohold-laws asks of its own with the same files.
+use cohold_core::law::AnyLaw;
 
-const SCHEMA: haptic_core::schema::Schema = haptic_core::schema::Schema::BUILT_IN;
+const SCHEMA: cohold_core::schema::Schema = cohold_core::schema::Schema::BUILT_IN;
 
 /// Laws whose waves or sums are bounded.
 const BOUNDED: &[&str] = &["wave", "passive-wave", "passive-mean", "self-timed"];

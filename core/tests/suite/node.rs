@@ -1,7 +1,7 @@
 //! The node where N wave lines meet: lossless to rounding, and what its closed form says.
 
-use haptic_core::law::node::Node;
-use haptic_core::num::{Fixed, Scalar};
+use cohold_core::law::node::Node;
+use cohold_core::num::{Fixed, Scalar};
 use proptest::prelude::*;
 
 fn energy<S: Scalar>(waves: &[S]) -> f64 {

@@ -1,10 +1,10 @@
 //! The exact integrator against itself: an exact step is the same as two exact steps of half the period. The midpoint rule against
 //! the parabola, which it follows exactly: what rounding takes from a sum in f32 comes back.
 
-use haptic_core::law::wave::Decode;
-use haptic_core::num::Motion;
-use haptic_core::object::{AnyIntegrator, IntegratorName};
-use haptic_core::settings::Settings;
+use cohold_core::law::wave::Decode;
+use cohold_core::num::Motion;
+use cohold_core::object::{AnyIntegrator, IntegratorName};
+use cohold_core::settings::Settings;
 
 /// From rest through `ticks` ticks of 1 N held.
 fn pushed(damping: f64, period_s: f64, ticks: u32) -> Motion<f64> {

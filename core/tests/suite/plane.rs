@@ -1,12 +1,12 @@
 //! Walls with friction in the plane and in space, against closed forms.
 
-use haptic_core::names::{Decode, FixtureName, IntegratorName};
-use haptic_core::num::Motion;
-use haptic_core::object::fixture::{Fixture, Pushes, solve_both};
-use haptic_core::object::plane::{Gains, Oblique, Plane};
-use haptic_core::object::port::Port;
-use haptic_core::object::vector::{Body, Moving, VectorPort};
-use haptic_core::settings::Settings;
+use cohold_core::names::{Decode, FixtureName, IntegratorName};
+use cohold_core::num::Motion;
+use cohold_core::object::fixture::{Fixture, Pushes, solve_both};
+use cohold_core::object::plane::{Gains, Oblique, Plane};
+use cohold_core::object::port::Port;
+use cohold_core::object::vector::{Body, Moving, VectorPort};
+use cohold_core::settings::Settings;
 
 const PERIOD_S: f64 = 1e-3;
 

@@ -1,6 +1,6 @@
 //! Play-out over clocks that differ and drift, and over paths that change.
 
-use haptic_core::playout::{MOST, Playout};
+use cohold_core::playout::{MOST, Playout};
 
 const M: u32 = 8;
 

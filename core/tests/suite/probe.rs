@@ -1,14 +1,14 @@
 //! Probes against a device of two lines (mass, damping, dry friction, counts): limits hold, signs are found, hands are noticed.
 
-use haptic_core::device::encoder::Counts;
-use haptic_core::device::motor::Duty;
-use haptic_core::device::probe::{End, Outcome, Probe, Request, Shape, Verdict};
-use haptic_core::device::{AXES, Reading};
-use haptic_core::law::AnyLaw;
-use haptic_core::num::Motion;
-use haptic_core::peer::{Actuators, Peer, Sensors};
-use haptic_core::safety::{Command, Fault, Mode};
-use haptic_core::settings::Settings;
+use cohold_core::device::encoder::Counts;
+use cohold_core::device::motor::Duty;
+use cohold_core::device::probe::{End, Outcome, Probe, Request, Shape, Verdict};
+use cohold_core::device::{AXES, Reading};
+use cohold_core::law::AnyLaw;
+use cohold_core::num::Motion;
+use cohold_core::peer::{Actuators, Peer, Sensors};
+use cohold_core::safety::{Command, Fault, Mode};
+use cohold_core::settings::Settings;
 
 /// A slide with its own idea of which way motor and encoder go.
 struct Device {

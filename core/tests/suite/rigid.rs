@@ -1,7 +1,7 @@
 //! The free rigid body against closed forms: what is kept in an hour at 1 kHz, and how fast it turns.
 
-use haptic_core::num::Scalar;
-use haptic_core::object::rigid::{Rotor, TorquePort, Turning};
+use cohold_core::num::Scalar;
+use cohold_core::object::rigid::{Rotor, TorquePort, Turning};
 
 /// kg·m², of a body of the size of a hand.
 const INERTIA: [f64; 3] = [1e-3, 2e-3, 3.5e-3];

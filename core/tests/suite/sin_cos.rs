@@ -1,6 +1,6 @@
 //! Sine and cosine of `f32` against those of `f64`, which have 29 bits more, and against `libm`'s own.
 
-use haptic_core::num::Scalar;
+use cohold_core::num::Scalar;
 
 /// Beyond it an angle has no sine, rad.
 const LARGEST: f32 = 421_657_440.0;

@@ -3,20 +3,20 @@
 //! Settings are drawn over their whole ranges, ends included; sensors and packets are any bit pattern: NaN, infinities,
 //! subnormals, huge numbers, encoder counts that jump.
 
-use haptic_core::device::encoder::Counts;
-use haptic_core::device::kinematics::{AnyKinematics, AnySpatial, Joints, Kinematics};
-use haptic_core::device::motor::COGGING_SHARE;
-use haptic_core::device::probe::{Probe, Request, Shape};
-use haptic_core::device::stage::{Flow, Measured};
-use haptic_core::device::{AXES, Reading};
-use haptic_core::law::Packet;
-use haptic_core::law::wave::Decode;
-use haptic_core::names::{FixtureName, RenderingName};
-use haptic_core::num::{Fixed, Motion, Scalar};
-use haptic_core::object::IntegratorName;
-use haptic_core::peer::{Peer, Sensors};
-use haptic_core::safety::{Command, Mode};
-use haptic_core::settings::{Allowed, Choice, MOST_OWN_KEYS, Settings, Value};
+use cohold_core::device::encoder::Counts;
+use cohold_core::device::kinematics::{AnyKinematics, AnySpatial, Joints, Kinematics};
+use cohold_core::device::motor::COGGING_SHARE;
+use cohold_core::device::probe::{Probe, Request, Shape};
+use cohold_core::device::stage::{Flow, Measured};
+use cohold_core::device::{AXES, Reading};
+use cohold_core::law::Packet;
+use cohold_core::law::wave::Decode;
+use cohold_core::names::{FixtureName, RenderingName};
+use cohold_core::num::{Fixed, Motion, Scalar};
+use cohold_core::object::IntegratorName;
+use cohold_core::peer::{Peer, Sensors};
+use cohold_core::safety::{Command, Mode};
+use cohold_core::settings::{Allowed, Choice, MOST_OWN_KEYS, Settings, Value};
 use std::{array::from_fn, f64::consts::TAU};
 
 use proptest::prelude::*;

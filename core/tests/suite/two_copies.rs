@@ -2,14 +2,14 @@
 
 use std::collections::VecDeque;
 
-use haptic_core::device::{AXES, Reading};
-use haptic_core::law::Packet;
-use haptic_core::law::wave::Decode;
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::object::IntegratorName;
-use haptic_core::peer::{Observed, Peer, Sensors};
-use haptic_core::safety::Command;
-use haptic_core::settings::{Settings, Value};
+use cohold_core::device::{AXES, Reading};
+use cohold_core::law::Packet;
+use cohold_core::law::wave::Decode;
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::object::IntegratorName;
+use cohold_core::peer::{Observed, Peer, Sensors};
+use cohold_core::safety::Command;
+use cohold_core::settings::{Settings, Value};
 
 /// T_c, s.
 pub(crate) const PERIOD: f64 = 0.001;

@@ -1,17 +1,17 @@
 //! The check before arming of a device with a current loop: a motor of three lines (R, k, an ideal loop) behind a bridge and a sensor
 //! that may be broken, and what is reported of each.
 
-use haptic_core::device::encoder::Counts;
-use haptic_core::device::motor::Duty;
-use haptic_core::device::probe::{End, Outcome, Probe, Request, Shape, Verdict};
-use haptic_core::device::stage::{Flow, Measured};
-use haptic_core::device::winding::{REST_STEPS, WAYS};
-use haptic_core::device::{AXES, Reading};
-use haptic_core::law::AnyLaw;
-use haptic_core::num::Motion;
-use haptic_core::peer::{Actuators, Peer, Sensors};
-use haptic_core::safety::Mode;
-use haptic_core::settings::Settings;
+use cohold_core::device::encoder::Counts;
+use cohold_core::device::motor::Duty;
+use cohold_core::device::probe::{End, Outcome, Probe, Request, Shape, Verdict};
+use cohold_core::device::stage::{Flow, Measured};
+use cohold_core::device::winding::{REST_STEPS, WAYS};
+use cohold_core::device::{AXES, Reading};
+use cohold_core::law::AnyLaw;
+use cohold_core::num::Motion;
+use cohold_core::peer::{Actuators, Peer, Sensors};
+use cohold_core::safety::Mode;
+use cohold_core::settings::Settings;
 
 const SUPPLY_V: f64 = 24.0;
 const SUPPLY_COUNTS: u16 = 3000;

@@ -6,8 +6,8 @@ use std::io::{BufRead, BufReader, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-use haptic_live::Error;
-use haptic_live::devices::{AXES, Abilities, DeviceOptions, Gone, Port, Sensed, Settings, stopped};
+use cohold_live::Error;
+use cohold_live::devices::{AXES, Abilities, DeviceOptions, Gone, Port, Sensed, Settings, stopped};
 
 struct Handle {
     abilities: Abilities,
@@ -56,5 +56,5 @@ impl Port for Handle {
 }
 
 fn main() -> std::process::ExitCode {
-    host_sim::command_line().with_device("handle", open).main()
+    cohold::command_line().with_device("handle", open).main()
 }

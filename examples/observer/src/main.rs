@@ -6,8 +6,8 @@
 use std::error::Error;
 use std::path::Path;
 
-use haptic_plot::{Figure, Panel, Series, draw};
-use haptic_sim::{Laws, Pair, Scene};
+use cohold_plot::{Figure, Panel, Series, draw};
+use cohold_sim::{Laws, Pair, Scene};
 
 fn main() -> Result<(), Box<dyn Error>> {
     // Two users push against each other: one steadily, the other one like a sine.

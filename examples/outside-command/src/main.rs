@@ -8,9 +8,9 @@
 
 use std::error::Error;
 
-use haptic_analysis::conclude;
-use haptic_report::Columns;
-use haptic_sim::{Laws, Options, Scene, run};
+use cohold_analysis::conclude;
+use cohold_report::Columns;
+use cohold_sim::{Laws, Options, Scene, run};
 
 /// True discrepancy under a push of 1 N from both sides, over one-way delays.
 #[derive(clap::Args)]
@@ -36,5 +36,5 @@ fn delays(asked: &Delays, laws: Laws) -> Result<Columns, Box<dyn Error + Send + 
 }
 
 fn main() -> std::process::ExitCode {
-    host_sim::command_line().with_command("delays", delays).main()
+    cohold::command_line().with_command("delays", delays).main()
 }

@@ -1,6 +1,6 @@
 //! A coordination law from outside: the paper's power-domain law, with the remote copy carried on along its velocity.
 //!
-//! The law, its name and its own key are the first part of this file; the last lines give it to every command of host-sim:
+//! The law, its name and its own key are the first part of this file; the last lines give it to every command of cohold:
 //!
 //! ```text
 //! cargo run -- cooperate --set coordination.comm=predict
@@ -9,13 +9,13 @@
 //! cargo run -- campaign
 //! ```
 //!
-//! In haptic-core or haptic-laws the same law would be this file and a line in each list that has it.
+//! In cohold-core or cohold-laws the same law would be this file and a line in each list that has it.
 
-use haptic_core::configured;
-use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Spring};
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::object::Solve;
-use haptic_core::settings::{Key, Refused, Settings};
+use cohold_core::configured;
+use cohold_core::law::{Coupled, Law, LawInfo, Observation, Packet, Spring};
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::object::Solve;
+use cohold_core::settings::{Key, Refused, Settings};
 
 /// Name, default, range, unit and meaning: scene files, `--set`, `--keys`, sweeps and error messages go by this.
 const AHEAD: Key =
@@ -65,10 +65,10 @@ impl<S: Scalar> Law<S> for Predict<S> {
 /// The law in every number type.
 struct Outside;
 
-impl haptic_sim::Family for Outside {
+impl cohold_sim::Family for Outside {
     type Of<S: Scalar> = Predict<S>;
 }
 
 fn main() -> std::process::ExitCode {
-    host_sim::command_line().with_laws(host_sim::laws().with::<Outside>()).main()
+    cohold::command_line().with_laws(cohold::laws().with::<Outside>()).main()
 }

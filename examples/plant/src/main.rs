@@ -5,10 +5,10 @@
 
 use std::error::Error;
 
-use haptic_core::device::Reading;
-use haptic_core::num::Motion;
-use haptic_core::peer::{Actuators, Sensors};
-use haptic_sim::{Device, Laws, Pair, Scene};
+use cohold_core::device::Reading;
+use cohold_core::num::Motion;
+use cohold_core::peer::{Actuators, Sensors};
+use cohold_sim::{Device, Laws, Pair, Scene};
 
 /// Control period, s.
 const PERIOD_S: f64 = 1e-3;

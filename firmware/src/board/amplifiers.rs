@@ -5,11 +5,11 @@
 
 use core::convert::Infallible;
 
+use cohold_core::device::{encoder::Counts, stage::Measured};
+use cohold_core::settings::{Allowed, Refused, Settings};
 use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::image::{Actuators, JOINTS};
 use firmware_parts::rate::Rate;
-use haptic_core::device::{encoder::Counts, stage::Measured};
-use haptic_core::settings::{Allowed, Refused, Settings};
 
 pub(crate) use super::no_loop::{PERIODS, RING, TOLD, forget_runs, init, period, reported, run, runs, supply_mv};
 

@@ -26,13 +26,13 @@
 
 use core::sync::atomic::{AtomicBool, Ordering, compiler_fence};
 
+use cohold_core::{device::current::PWM_HZ, safety::Fault};
 use embassy_stm32::gpio::{AfType, Flex, Input, Level, Output, Pull, Speed};
 use embassy_stm32::pac::timer::vals::{Cms, OcmGp};
 use embassy_stm32::peripherals::{PD15, PE6, PE15, PF3, TIM1};
 use embassy_stm32::{Peri, pac, pac::timer::regs::BdtrAdv, timer::low_level::Timer};
 #[cfg(not(feature = "moteus"))]
 use firmware_parts::rate::Ms;
-use haptic_core::{device::current::PWM_HZ, safety::Fault};
 
 use super::{clocks::TIMERS_HZ, drive::Cut, legs};
 

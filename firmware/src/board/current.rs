@@ -8,7 +8,7 @@
 //!
 //! **Deadline**: the update after the one that started the conversions, 50 µs; it needs some 3, of which the conversions are 1.6. A period
 //! that is missed keeps its voltage, and the next tick finds fewer periods than a tick has ([`Stage::measured`]): motors off, as
-//! [`haptic_core::safety::Fault::LoopMissed`]. A loop that hangs keeps the tick from coming, and the dead man ends it.
+//! [`cohold_core::safety::Fault::LoopMissed`]. A loop that hangs keeps the tick from coming, and the dead man ends it.
 //!
 //! **Rules**: priority 0, above the tick; code in ITCM, data in DTCM; whole numbers only, so that the processor saves no registers of
 //! the FPU; no lock, no wait, no panic. What tick and interrupt tell each other goes through [`firmware_parts::exchange::Latest`].
@@ -21,6 +21,13 @@
 use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicU32, Ordering};
 
+use cohold_core::device::current::{Controller, CurrentLoop, Gains, PWM_HZ, Sensor};
+use cohold_core::device::kinematics::Joints;
+use cohold_core::device::stage::{Flow, Measured};
+use cohold_core::device::thermal::Thermistor;
+use cohold_core::device::{AXES, encoder::Counts, motor::Duty};
+use cohold_core::names::MotorDrive;
+use cohold_core::settings::{Refused, Settings};
 use cortex_m::peripheral::DWT;
 use embassy_stm32::interrupt::{self, InterruptExt, Priority};
 use embassy_stm32::pac;
@@ -31,13 +38,6 @@ use firmware_parts::exchange::{Reader, Writer, put};
 use firmware_parts::image::Actuators;
 use firmware_parts::rate::Rate;
 use firmware_parts::record::{PERIODS_IN_ONE, Period};
-use haptic_core::device::current::{Controller, CurrentLoop, Gains, PWM_HZ, Sensor};
-use haptic_core::device::kinematics::Joints;
-use haptic_core::device::stage::{Flow, Measured};
-use haptic_core::device::thermal::Thermistor;
-use haptic_core::device::{AXES, encoder::Counts, motor::Duty};
-use haptic_core::names::MotorDrive;
-use haptic_core::settings::{Refused, Settings};
 
 use super::{legs, pace::Run};
 

@@ -6,7 +6,7 @@
 //! clock: the independent watchdog ([`crate::board::WATCHDOG_MS`]), which has an oscillator of its own, stays.
 //!
 //! It is started with the tick, at every start, armed or not: nothing but a reset stops it, and a state that is the same in every
-//! run is the one that is tried in every run. A tick of 1 ms may last to the end of the next one's period ([`haptic_core::safety::Fault::TickOverrun`]
+//! run is the one that is tried in every run. A tick of 1 ms may last to the end of the next one's period ([`cohold_core::safety::Fault::TickOverrun`]
 //! tells of it) and not longer. Whoever erases or programs flash goes on being preempted by the tick. A debugger that halts the
 //! processor halts it and the independent watchdog, too. No lower edge of the window is set: ticks that come too often are the supervisor's to notice.
 //!

@@ -10,6 +10,9 @@
 //! a wire that is cut shows none. Channel 3 captures the counter at a rising edge of the index, in hardware: this timer has no index
 //! of its own in encoder mode (RM0433 §39.3.22).
 
+use cohold_core::device::encoder::{Counts, Marks};
+use cohold_core::safety::Fault;
+use cohold_core::settings::{Refused, Settings};
 use embassy_stm32::gpio::{AfType, Flex, Pull};
 use embassy_stm32::pac::timer::{TimGp16, regs, vals};
 #[cfg(feature = "three-axes")]
@@ -19,9 +22,6 @@ use embassy_stm32::timer::qei::{Config, Qei};
 use embassy_stm32::{Peri, pac};
 use firmware_parts::image::JOINTS;
 use firmware_parts::signals::Signals;
-use haptic_core::device::encoder::{Counts, Marks};
-use haptic_core::safety::Fault;
-use haptic_core::settings::{Refused, Settings};
 
 /// An encoder's timer, and its pins: A, B, index.
 type Encoder<T, A, B, I> = (Peri<'static, T>, Peri<'static, A>, Peri<'static, B>, Peri<'static, I>);

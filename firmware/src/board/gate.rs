@@ -14,16 +14,16 @@
 //! | 3 | no current | high | low | low: PE14 keeps it shut |
 //! | 4 | as wanted | high | high | high |
 //!
-//! Anything else is [`haptic_core::safety::Fault::EnableGate`], motors off in that tick. So it is when PD15 is still high after a break,
+//! Anything else is [`cohold_core::safety::Fault::EnableGate`], motors off in that tick. So it is when PD15 is still high after a break,
 //! which has taken PE14 and left PF3.
 //!
 //! When amplifiers are disabled by the program, commands stay at no current for [`LETS_GO`] more ([`shut`]): so long they have to let go.
 //! A break cannot wait: it takes the commands in the same instant as PE14. An amplifier that is slower to let go than it is to follow
 //! must take a line that does not change for no current; docs/assembly.md asks for one of the two.
 
+use cohold_core::device::motor::Duty;
 use firmware_parts::image::JOINTS;
 use firmware_parts::rate::Ms;
-use haptic_core::device::motor::Duty;
 
 use super::{bridges, legs};
 

@@ -3,6 +3,7 @@
 #[cfg(not(feature = "three-axes"))]
 use core::sync::atomic::Ordering;
 
+use cohold_core::device::motor::Duty;
 use embassy_stm32::gpio::OutputType;
 use embassy_stm32::peripherals::{PE9, PE11, PE13, PE14};
 use embassy_stm32::{Peri, pac, timer::simple_pwm::PwmPin};
@@ -12,7 +13,6 @@ use embassy_stm32::{
     timer::complementary_pwm::ComplementaryPwmPin,
 };
 use firmware_parts::image::JOINTS;
-use haptic_core::device::motor::Duty;
 
 #[cfg(not(feature = "three-axes"))]
 use super::bridges::DRIVEN;

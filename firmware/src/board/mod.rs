@@ -35,11 +35,11 @@ pub(crate) mod switch;
 pub(crate) mod update;
 mod uptime;
 
+use cohold_protocol::wire::PeerId;
 use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
 use embassy_stm32::interrupt::{self, InterruptExt, Priority};
 use embassy_stm32::peripherals::{FLASH, IWDG1, PB0, PB14, PC13, PG12, PG14, RNG, TIM1, TIM6, TIM7};
 use embassy_stm32::{Peri, wdg::IndependentWatchdog};
-use haptic_protocol::wire::PeerId;
 
 use crate::boards;
 

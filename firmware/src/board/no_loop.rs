@@ -1,9 +1,9 @@
 //! What others ask of the current loop where there is none: the chip measures nothing.
 
+use cohold_core::device::stage::Measured;
+use cohold_core::names::MotorDrive;
 use firmware_parts::image::JOINTS;
 use firmware_parts::record::Period;
-use haptic_core::device::stage::Measured;
-use haptic_core::names::MotorDrive;
 
 use super::pace::Run;
 

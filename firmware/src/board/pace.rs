@@ -15,10 +15,10 @@ use embassy_stm32::peripherals::{TIM6, TIM7};
 use embassy_stm32::{Peri, pac, timer::low_level::Timer};
 use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, signal::Signal};
 
+use cohold_core::device::current::PWM_HZ;
 use firmware_parts::rate::Rate;
 use firmware_parts::record::SENT;
 use firmware_parts::times::{Load, Times, Took};
-use haptic_core::device::current::PWM_HZ;
 
 use super::clocks::{CORE_HZ, TIMERS_HZ};
 use super::{current, deadman, switch};

@@ -8,10 +8,10 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
+use cohold_protocol::key::Key;
 use embassy_stm32::{Peri, pac, peripherals::RNG, rcc};
 use embassy_time::Instant;
 use firmware_parts::hedge::Sources;
-use haptic_protocol::key::Key;
 
 use super::Number;
 

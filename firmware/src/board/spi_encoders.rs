@@ -10,6 +10,8 @@
 //!
 //! Encoders have 3.3 V: the board pulls MISO up, so that a wire that is off reads all ones.
 
+use cohold_core::device::encoder::{Counts, Marks};
+use cohold_core::safety::Fault;
 use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed};
 use embassy_stm32::pac::rcc::vals::{Saisel, Spi45sel};
 use embassy_stm32::pac::spi::{Spi, vals};
@@ -18,8 +20,6 @@ use embassy_stm32::{Peri, pac, rcc};
 use firmware_parts::as5047p::{self, ANGLE, Sensor, Trouble};
 use firmware_parts::image::JOINTS;
 use firmware_parts::signals::Signals;
-use haptic_core::device::encoder::{Counts, Marks};
-use haptic_core::safety::Fault;
 
 use super::clocks::{CORE_HZ, PERIPHERALS_HZ};
 

@@ -1,10 +1,10 @@
 //! Frames of an AS5047P against its data sheet's layout, every wrong bit in every frame, wires that are off, and what a joint does with each.
 
+use cohold_core::device::encoder::Counts;
+use cohold_core::safety::Fault;
+use cohold_core::settings::Settings;
 use firmware_parts::as5047p::{ANGLE, BAD, DIAGNOSIS, Design, ERRORS, Reason, Sensor, Trouble, judge};
 use firmware_parts::signals::Coded;
-use haptic_core::device::encoder::Counts;
-use haptic_core::safety::Fault;
-use haptic_core::settings::Settings;
 
 /// Bit 15 makes the number of ones even, by the data sheet's figures of both kinds of frame.
 fn with_parity(lower: u16) -> u16 {

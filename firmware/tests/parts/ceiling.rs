@@ -1,8 +1,8 @@
 //! From afar every limit can be lowered and none raised, and the device is what it was at the board.
 
+use cohold_core::settings::{Allowed, Key, Settings, Value};
 use firmware_parts::ceiling::{Above, above};
 use firmware_parts::kept::defaults;
-use haptic_core::settings::{Allowed, Key, Settings, Value};
 
 /// Limits by name, of which no table is asked: force, power, room, time.
 const LIMITS: [&str; 23] = [

@@ -2,16 +2,16 @@
 
 use std::collections::HashSet;
 
+use cohold_protocol::ends::Ends;
+use cohold_protocol::key::Key;
+use cohold_protocol::link::{Config, Link};
+use cohold_protocol::parameters::Parameters;
+use cohold_protocol::wire::{Flow, Header, MAX_DATAGRAM, PeerId};
 use firmware_parts::hedge::Sources;
 use firmware_parts::history::{FIRST, History, MOST};
 use firmware_parts::keys::Keys;
 use firmware_parts::status::Stop;
 use firmware_parts::store::{SECTOR, Word};
-use haptic_protocol::ends::Ends;
-use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Link};
-use haptic_protocol::parameters::Parameters;
-use haptic_protocol::wire::{Flow, Header, MAX_DATAGRAM, PeerId};
 
 /// The keys' sector: their images, and behind them nothing.
 fn sector() -> Vec<Option<Word>> {

@@ -1,9 +1,9 @@
 //! What a board keeps of its starts and faults, in flash that is only ever programmed.
 
+use cohold_core::safety::Fault;
 use firmware_parts::history::{FAULTS, FIRST, History, MOST, STARTS};
 use firmware_parts::status::Stop;
 use firmware_parts::store::{SECTOR, Word};
-use haptic_core::safety::Fault;
 
 const BLANK: Word = [0xFF; 32];
 

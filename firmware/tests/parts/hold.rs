@@ -1,9 +1,9 @@
 //! Motors stay on while an operator lets them, and not longer than the lease after that.
 
+use cohold_core::safety::{Fault, Mode};
+use cohold_protocol::lease::{AtBoard, Motors, No, Word};
 use firmware_parts::hold::{Hold, LOOK_EVERY};
 use firmware_parts::signals::Signals;
-use haptic_core::safety::{Fault, Mode};
-use haptic_protocol::lease::{AtBoard, Motors, No, Word};
 
 const LEASE_S: f64 = 0.2;
 

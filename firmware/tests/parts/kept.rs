@@ -1,7 +1,7 @@
 //! What a board keeps: keys and values, and back.
 
+use cohold_core::settings::{SetError, Value};
 use firmware_parts::kept::Kept;
-use haptic_core::settings::{SetError, Value};
 
 #[test]
 fn every_key_leads_back_to_what_was_set() {

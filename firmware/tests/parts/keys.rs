@@ -1,12 +1,12 @@
 //! A board takes two keys or none, and whoever holds one has nothing of the other.
 
+use cohold_protocol::ends::Ends;
+use cohold_protocol::key::{Key, Role};
+use cohold_protocol::link::{Config, Link};
+use cohold_protocol::parameters::Parameters;
+use cohold_protocol::wire::{MAX_DATAGRAM, PeerId};
 use firmware_parts::keys::{Keyless, Keys, WORDS};
 use firmware_parts::store::Word;
-use haptic_protocol::ends::Ends;
-use haptic_protocol::key::{Key, Role};
-use haptic_protocol::link::{Config, Link};
-use haptic_protocol::parameters::Parameters;
-use haptic_protocol::wire::{MAX_DATAGRAM, PeerId};
 
 const PEERS: [u8; 32] = [7; 32];
 const OPERATOR: [u8; 32] = [8; 32];

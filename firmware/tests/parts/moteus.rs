@@ -1,11 +1,11 @@
 //! Bytes to and from a moteus against the crate `moteus-protocol`, and what a motor does tick by tick with the answers that come.
 
+use cohold_core::device::{encoder::Counts, motor::Duty};
+use cohold_core::names::MotorDrive;
+use cohold_core::safety::Fault;
+use cohold_core::settings::Settings;
 use firmware_parts::moteus::{ANSWER_WORDS, Design, LOST, MOST_C, Motor, STOP, Told, Trouble, WAKE_TICKS, command};
 use firmware_parts::signals::Coded;
-use haptic_core::device::{encoder::Counts, motor::Duty};
-use haptic_core::names::MotorDrive;
-use haptic_core::safety::Fault;
-use haptic_core::settings::Settings;
 use moteus_protocol::command::{PositionCommand, PositionFormat, StopCommand};
 use moteus_protocol::query::{QueryFormat, QueryResult};
 use moteus_protocol::{CanFdFrame, Register, Resolution, Subframe, Value, parse_frame};
@@ -178,7 +178,7 @@ fn a_torque_is_the_share_of_the_motors_own_and_no_more_than_it_may_be() {
     assert!((f64::from(f32::from_bits(words[5])) - settings.motor.max_duty * full_nm).abs() < 1e-6 * full_nm);
     // Of a joint that turns there is no radius.
     let mut turning = settings;
-    turning.kinematics.model = haptic_core::device::kinematics::KinematicsName::Capstan;
+    turning.kinematics.model = cohold_core::device::kinematics::KinematicsName::Capstan;
     let design = Design::build(&turning).expect("one motor");
     let nm = f64::from(torque(&motor.drive(&design, Duty(i16::MAX))));
     assert!((nm - settings.motor.newton_or_newton_metre_per_a * settings.motor.full_scale_a).abs() < 1e-6);

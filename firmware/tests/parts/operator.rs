@@ -1,9 +1,9 @@
 //! The operator's lines: what is read, and what is none.
 
+use cohold_core::device::probe::{self, Shape};
+use cohold_core::settings::Value;
 use firmware_parts::operator::{Misread, Request, Time, Whose, parse};
 use firmware_parts::record;
-use haptic_core::device::probe::{self, Shape};
-use haptic_core::settings::Value;
 
 #[test]
 fn lines_are_read_as_written() {

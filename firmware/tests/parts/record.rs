@@ -1,15 +1,15 @@
 //! Records: bytes and back, and a digest that misses nothing.
 
+use cohold_core::device::AXES;
+use cohold_core::device::stage::{Flow, Measured};
+use cohold_core::device::{encoder::Counts, motor::Duty};
+use cohold_core::law::{AnyLaw, Packet};
+use cohold_core::num::{Motion, StateVector};
+use cohold_core::peer::{Observed, Peer};
+use cohold_core::safety::{Fault, Mode};
+use cohold_core::sample::OfAxis;
+use cohold_core::settings::Settings;
 use firmware_parts::record::{ENABLED, RECEIVED, Record, SENT, Tick, digest, joints, mode_code};
-use haptic_core::device::AXES;
-use haptic_core::device::stage::{Flow, Measured};
-use haptic_core::device::{encoder::Counts, motor::Duty};
-use haptic_core::law::{AnyLaw, Packet};
-use haptic_core::num::{Motion, StateVector};
-use haptic_core::peer::{Observed, Peer};
-use haptic_core::safety::{Fault, Mode};
-use haptic_core::sample::OfAxis;
-use haptic_core::settings::Settings;
 
 fn peer(position: f32) -> Peer<f32, AnyLaw<f32>> {
     Peer::new(&Settings::default(), [Motion::at(position); AXES]).unwrap()

@@ -1,10 +1,10 @@
 //! The ticks before a fault: which are kept, and of which reset they tell.
 
+use cohold_core::device::{encoder::Counts, motor::Duty};
 use firmware_parts::exchange::Latest;
 use firmware_parts::record::{Record, Tick};
 use firmware_parts::recorder::{Reel, TICKS, after};
 use firmware_parts::status::Stop;
-use haptic_core::device::{encoder::Counts, motor::Duty};
 
 /// A reel in memory that power has just come to.
 fn garbage() -> Reel {

@@ -1,8 +1,8 @@
 //! Words: what is put in comes out.
 
+use cohold_core::safety::{Command, Fault, Mode};
+use cohold_protocol::link::Stage;
 use firmware_parts::signals::{Coded, Order, Saving, Signals};
-use haptic_core::safety::{Command, Fault, Mode};
-use haptic_protocol::link::Stage;
 
 /// Code and value lead to each other, and no two values share a code.
 fn all_distinct<T: Coded + PartialEq + core::fmt::Debug>(all: &[T]) {

@@ -4,9 +4,9 @@ use std::future::Future;
 use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 
+use cohold_core::settings::{Allowed, Settings, Value};
 use firmware_parts::kept::Kept;
 use firmware_parts::store::{Broken, Medium, SECTOR, Store, Unreadable, Word};
-use haptic_core::settings::{Allowed, Settings, Value};
 
 /// Words in a slot, and bytes in a word.
 const SLOT: u32 = 256;

@@ -1,9 +1,9 @@
 //! The hold-to-run switch: what holds it, and what one look does.
 
+use cohold_core::safety::Mode;
 use firmware_parts::record::mode_code;
 use firmware_parts::signals::Signals;
 use firmware_parts::switch::{STEADY, Switch};
-use haptic_core::safety::Mode;
 
 /// Looks at a contact that is closed, or not, so many times; whether it is held then.
 fn looks(switch: &Switch, signals: &Signals, closed: bool, times: u32) -> bool {

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use haptic_wiring::netlist::Netlist;
-use haptic_wiring::{page, rules, sheet, svg};
+use cohold_wiring::netlist::Netlist;
+use cohold_wiring::{page, rules, sheet, svg};
 
 fn main() -> ExitCode {
     let check = std::env::args().any(|word| word == "--check");

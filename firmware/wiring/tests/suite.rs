@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use haptic_wiring::netlist::{Image, Is, Netlist, Pull, Role, split};
-use haptic_wiring::sheet::{self, Anchor, Drawing, Line, Text};
-use haptic_wiring::{page, rules, svg};
+use cohold_wiring::netlist::{Image, Is, Netlist, Pull, Role, split};
+use cohold_wiring::sheet::{self, Anchor, Drawing, Line, Text};
+use cohold_wiring::{page, rules, svg};
 
 mod paddle;
 
@@ -256,7 +256,7 @@ fn fed(netlist: &Netlist, without: &str) -> BTreeSet<String> {
             .flat_map(|net| &net.pins)
             .map(|pin| split(pin).0)
             .collect();
-        let on = |net: &&haptic_wiring::netlist::Net| {
+        let on = |net: &&cohold_wiring::netlist::Net| {
             let joins = |part: &str| part != without && leads(part) && parts.contains(part);
             net.pins.iter().any(|pin| joins(split(pin).0))
         };

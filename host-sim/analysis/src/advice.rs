@@ -5,9 +5,9 @@
 //! the nearest stable interval is taken and entered by [`MARGIN`] of the gain at its edge, or to its middle where it is
 //! narrower. What is proposed has been checked: the scene with it is stable.
 
-use haptic_core::law::wave::Decode;
-use haptic_core::settings::{Allowed, Key, Value};
-use haptic_sim::scene::Scene;
+use cohold_core::law::wave::Decode;
+use cohold_core::settings::{Allowed, Key, Value};
+use cohold_sim::scene::Scene;
 use serde::Serialize;
 
 use super::limit::{Effort, Limit, along};

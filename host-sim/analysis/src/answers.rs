@@ -8,12 +8,12 @@
 //! ```
 //!
 //! where A is a peer's own answer, B what it makes of a packet, C what it says, d how many ticks that takes, and h the columns of the led
-//! device. What is measured in time ([`haptic_sim::measure::impedance`]) has nothing in common with that but the peers.
+//! device. What is measured in time ([`cohold_sim::measure::impedance`]) has nothing in common with that but the peers.
 //!
 //! **Limits**: a packet every tick, a law that is linear, a constant delay. Units as there.
 
-use haptic_sim::measure::impedance::{Answer, Complex, RemoteEnd, held, of_device};
-use haptic_sim::scene::Scene;
+use cohold_sim::measure::impedance::{Answer, Complex, RemoteEnd, held, of_device};
+use cohold_sim::scene::Scene;
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::Error;
@@ -35,7 +35,7 @@ pub fn answers(scene: &Scene, near: usize, far: RemoteEnd, frequencies_hz: &[f64
     let timing = &linear.peer.timing;
     if timing.ticks_per_packet != 1 {
         let every = timing.ticks_per_packet;
-        return Err(haptic_sim::Error::from(format!(
+        return Err(cohold_sim::Error::from(format!(
             "timing.ticks_per_packet = {every} is not allowed here: it must be 1, a packet every tick"
         ))
         .into());

@@ -1,11 +1,11 @@
 //! What is to be said of a run of a scene, composed once: what came of it, what the analyser has against it, what to change, and how
 //! heavy the object felt. Command line, Python, sweeps and studies all say this, of one shared axis or of several.
 
-use haptic_core::names::Choice;
-use haptic_sim::measure::apparent_mass;
-use haptic_sim::run::{Outcome, Reason};
-use haptic_sim::scene::Scene;
-use haptic_sim::user::User;
+use cohold_core::names::Choice;
+use cohold_sim::measure::apparent_mass;
+use cohold_sim::run::{Outcome, Reason};
+use cohold_sim::scene::Scene;
+use cohold_sim::user::User;
 
 use super::advice::advice;
 use super::modes::{Hands, Judgement, Mode, judge};

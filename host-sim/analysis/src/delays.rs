@@ -12,7 +12,7 @@
 
 use std::ops::RangeInclusive;
 
-use haptic_sim::scene::{Jitter, Scene};
+use cohold_sim::scene::{Jitter, Scene};
 
 use super::lifted::delay::{delays_ticks, whole_ticks};
 

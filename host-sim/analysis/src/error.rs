@@ -1,6 +1,6 @@
 //! Why an analysis could not be made.
 
-use haptic_core::settings::{Allowed, Refused};
+use cohold_core::settings::{Allowed, Refused};
 
 /// Why an analysis could not be made, in one line.
 #[derive(Debug, thiserror::Error)]
@@ -10,7 +10,7 @@ pub enum Error {
     Refused(#[from] Refused<'static>),
     /// A value, or the scene that it would make, is not allowed.
     #[error(transparent)]
-    Sim(#[from] haptic_sim::Error),
+    Sim(#[from] cohold_sim::Error),
     /// The key of a sweep is a name or a flag.
     #[error("{key} is no number that could be swept: it is {allowed}")]
     NoNumber {
@@ -44,6 +44,6 @@ impl Error {
             return Ok(());
         }
         let allowed = format!("it must be a number from {min} to {max} {unit}");
-        Err(haptic_sim::Error::not_allowed(format!("{key} = {value}"), allowed).into())
+        Err(cohold_sim::Error::not_allowed(format!("{key} = {value}"), allowed).into())
     }
 }

@@ -4,9 +4,9 @@
 //! Both hands on, as in the paper. Parameters: §4.3 of the paper as THEORY §1 and §3 read them: exact object of 0.6 kg, every
 //! force one tick late, delayed decode. Axes: the paper's, K_LC 0…2500 N/m, K_T 0…12000 N/m.
 
-use haptic_core::object::IntegratorName;
-use haptic_report::Columns;
-use haptic_sim::scene::Scene;
+use cohold_core::object::IntegratorName;
+use cohold_report::Columns;
+use cohold_sim::scene::Scene;
 use serde::Serialize;
 
 use super::limit::Effort;

@@ -8,9 +8,9 @@
 //!
 //! **What is not**: a law that is not linear, one whose energy tank may hold back what its matrix makes grow, and more packets in flight than the caller has time for: an eigenvalue costs the cube of them.
 
-use haptic_core::settings::Value;
-use haptic_plot::significant;
-use haptic_sim::scene::{Jitter, Network, Scene};
+use cohold_core::settings::Value;
+use cohold_plot::significant;
+use cohold_sim::scene::{Jitter, Network, Scene};
 use serde::Serialize;
 
 use super::advice::{GAINS, MARGIN, short};
@@ -67,7 +67,7 @@ pub fn find(scene: &Scene, question: Question) -> Finding {
     let longest = delays(scene, &scene.linear()).0.into_iter().flatten().max().unwrap_or_default();
     if longest / scene.peer.timing.ticks_per_packet as usize > most {
         return unknown(&format!(
-            "with more than {most} packets in flight that takes too long here; host-sim stability point does it"
+            "with more than {most} packets in flight that takes too long here; cohold stability point does it"
         ));
     }
     match is_linear(scene).and_then(|linear| linear.then(|| radius(scene, question.hand)).transpose()) {

@@ -15,7 +15,7 @@
 //! | [`rendering`] | one device and one object, delay at any of four places: the architectures paper's Figure 4 |
 //! | [`answers()`] | what a hand feels, and what comes of it at the far end, frequency by frequency |
 //!
-//! What is analysed is the linear scene behind a scene ([`haptic_sim::scene::Scene::linear`]): permanent two-sided contact of
+//! What is analysed is the linear scene behind a scene ([`cohold_sim::scene::Scene::linear`]): permanent two-sided contact of
 //! both hands, of one or of none, exact sensors and motors, nobody pushing, each constant delay that the network can produce.
 //! An object that is shared along several axes is judged along all of them at once, as the mass of the device couples them.
 //! What a scene has beyond that is named with the judgement ([`Judgement::not_judged`]). Any law is analysed, also one from

@@ -11,7 +11,7 @@
 //! Each mode is looked at alone, away from walls and at them, and has a limit of its own; the limit of all is where the first of them is
 //! unstable. [`Effort::hands`] keeps it to one.
 
-use haptic_sim::scene::Scene;
+use cohold_sim::scene::Scene;
 use serde::Serialize;
 
 use super::family::Family;

@@ -4,7 +4,7 @@
 //! out must add up, to rounding, at every draw. What only shows at some size (a dead band around rest) does not show here: states are
 //! small ([`super::lifted::driven`]); it shows in what is felt at two speeds.
 
-use haptic_sim::scene::Scene;
+use cohold_sim::scene::Scene;
 
 use super::lifted::driven::{counts, driven, keeps_silent, seats};
 use crate::error::Error;

@@ -3,8 +3,8 @@
 //! Columns of the map are independent, and are found in parallel. Along y a crossing is as exact as
 //! [`super::limit::Effort`] says; along x the region is known at the values of x only.
 
-use haptic_report::Columns;
-use haptic_sim::scene::Scene;
+use cohold_report::Columns;
+use cohold_sim::scene::Scene;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -35,7 +35,7 @@ impl std::str::FromStr for Axis {
 
     fn from_str(text: &str) -> Result<Self, Error> {
         let form = "write it as table.key=A..B:N, for example coordination.stiffness_n_per_m=0..12000:100";
-        let wrong = || haptic_sim::Error::at(text, form);
+        let wrong = || cohold_sim::Error::at(text, form);
         let (key, rest) = text.split_once('=').ok_or_else(wrong)?;
         let (range, count) = rest.rsplit_once(':').ok_or_else(wrong)?;
         let (from, to) = range.split_once("..").ok_or_else(wrong)?;
@@ -44,7 +44,7 @@ impl std::str::FromStr for Axis {
         let count = count.trim().parse::<usize>().map_err(|_| wrong())?;
         if !(2..=10_000).contains(&count) {
             let said = format!("{count} values are not allowed: it must be a whole number from 2 to 10000");
-            return Err(haptic_sim::Error::at(text, said).into());
+            return Err(cohold_sim::Error::at(text, said).into());
         }
         Ok(Self { range, count })
     }

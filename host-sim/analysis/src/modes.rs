@@ -10,14 +10,14 @@
 //!
 //! **Cost**: both and none fall apart into sum and difference where delays and arms are the same; one never does.
 
-use haptic_core::contact::RenderingName;
-use haptic_core::device::kinematics::KinematicsName;
-use haptic_core::device::velocity::VelocityName;
-use haptic_core::law::self_timed::TAUTNESS;
-use haptic_core::names::Choice;
-use haptic_sim::network::fitted::Like;
-use haptic_sim::scene::{DriveName, Jitter, Scene};
-use haptic_sim::user::User;
+use cohold_core::contact::RenderingName;
+use cohold_core::device::kinematics::KinematicsName;
+use cohold_core::device::velocity::VelocityName;
+use cohold_core::law::self_timed::TAUTNESS;
+use cohold_core::names::Choice;
+use cohold_sim::network::fitted::Like;
+use cohold_sim::scene::{DriveName, Jitter, Scene};
+use cohold_sim::user::User;
 use serde::Serialize;
 
 use super::delays::delays;
@@ -27,7 +27,7 @@ use super::linear::{is_linear, matrix_says_all};
 use super::verdict::{Analyser, Reduced, Verdict};
 use crate::error::Error;
 
-haptic_sim::choices! {
+cohold_sim::choices! {
     /// Whose hands are on their devices, in contact with the object.
     #[derive(Serialize)]
     #[serde(rename_all = "lowercase")]

@@ -6,7 +6,7 @@
 //! continuation to the left and one to the right, so the outline is a set of paths, and what lies between two columns is strips
 //! with the same edges.
 
-use haptic_plot::Strip;
+use cohold_plot::Strip;
 
 use super::map::Map;
 

@@ -1,6 +1,6 @@
 //! Stability regions as pictures: tinted where stable, with the crossings as lines.
 
-use haptic_plot::{Dash, Figure, Panel, Series, ShareY};
+use cohold_plot::{Dash, Figure, Panel, Series, ShareY};
 
 use super::figure4::{self, Curve};
 use super::map::Map;

@@ -3,8 +3,8 @@
 //! Values are set on the scene as it is and the result is judged, so that a sweep of a key that the linear scene has no use for
 //! (a gap, a push) is flat rather than wrong.
 
-use haptic_core::settings::{Allowed, Value};
-use haptic_sim::scene::Scene;
+use cohold_core::settings::{Allowed, Value};
+use cohold_sim::scene::Scene;
 
 use super::modes::Hands;
 use super::verdict::Analyser;

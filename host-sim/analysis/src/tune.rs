@@ -15,19 +15,19 @@
 //! (`limit`), is where the rectangle below it must end. Rounded down to three digits, then verified afresh: at the
 //! proposal, at its three raised corners, along both keys from 0 through the proposal and through the raised gains. Whatever
 //! fails takes 2 % off both gains, and is verified again. The linear scene is what is proved
-//! ([`haptic_sim::scene::Scene::linear`]), in every mode ([`super::judge`]); [`try_out`] runs the scene itself, and [`let_go`]
+//! ([`cohold_sim::scene::Scene::linear`]), in every mode ([`super::judge`]); [`try_out`] runs the scene itself, and [`let_go`]
 //! with nobody holding it.
 
-use haptic_core::law::self_timed::TAUTNESS;
-use haptic_core::num::StateVector;
-use haptic_core::settings::Allowed;
-use haptic_sim::of_axes;
-use haptic_sim::pair::Pair;
-use haptic_sim::peers::{Builds, Number};
-use haptic_sim::plant::Plant;
-use haptic_sim::run::{Options, Outcome, Run, run};
-use haptic_sim::scene::Scene;
-use haptic_sim::user::User;
+use cohold_core::law::self_timed::TAUTNESS;
+use cohold_core::num::StateVector;
+use cohold_core::settings::Allowed;
+use cohold_sim::of_axes;
+use cohold_sim::pair::Pair;
+use cohold_sim::peers::{Builds, Number};
+use cohold_sim::plant::Plant;
+use cohold_sim::run::{Options, Outcome, Run, run};
+use cohold_sim::scene::Scene;
+use cohold_sim::user::User;
 use rayon::prelude::*;
 use serde::Serialize;
 

@@ -3,7 +3,7 @@
 //! [`Analyser`] keeps its memory from one scene to the next, which is what a sweep needs; [`verdict`] is for one scene. Both
 //! look at one mode, both hands in contact; [`super::judge`] looks at every mode.
 
-use haptic_sim::scene::Scene;
+use cohold_sim::scene::Scene;
 use serde::Serialize;
 
 use super::direction::{self, Direction};

@@ -20,8 +20,8 @@
 
 use std::path::Path;
 
-use haptic_core::safety::Mode;
-use haptic_core::settings::Settings;
+use cohold_core::safety::Mode;
+use cohold_core::settings::Settings;
 
 use super::calibrate::board::{self, Board, Joint, Tick, say, settings};
 use super::calibrate::counts::{self, Distance};
@@ -215,13 +215,13 @@ impl BringUp<'_> {
     fn light(&mut self) -> Result<String, Error> {
         self.person.please(&Task::SeeLight)?;
         let status = self.status()?;
-        haptic_sim::refuse_if!(status.mode != Mode::Disarmed, "it should be disarmed and without a fault: {status}");
+        cohold_sim::refuse_if!(status.mode != Mode::Disarmed, "it should be disarmed and without a fault: {status}");
         say(self.board, "stream 1")?;
         self.board.ticks(0.1)?;
         let ticks = self.board.ticks(0.5)?;
         say(self.board, "stream off")?;
         let gaps = ticks.windows(2).filter(|two| two[1].number.wrapping_sub(two[0].number) != 1).count();
-        haptic_sim::refuse_if!(
+        cohold_sim::refuse_if!(
             ticks.len() < 400 || gaps > 0,
             "{} of 500 ticks came, with {gaps} gaps: the network loses them",
             ticks.len()
@@ -237,7 +237,7 @@ impl BringUp<'_> {
         self.person.please(&Task::ReleaseStop)?;
         // Whatever else stands against arming, the stop does not.
         let answer = self.board.ask("clear")?;
-        haptic_sim::refuse_if!(answer != "ok disarmed", "released, the board answers \"clear\" with {answer:?}");
+        cohold_sim::refuse_if!(answer != "ok disarmed", "released, the board answers \"clear\" with {answer:?}");
         self.supply_returns(before_v)?;
         let after = after_s.map_or("by the voltmeter".to_owned(), |after_s| format!("after {after_s:.1} s"));
         Ok(format!("pressed, arming is refused, and of {before_v:.1} V of supply {left_v:.1} V are left {after}"))
@@ -254,7 +254,7 @@ impl BringUp<'_> {
     /// With the stop pressed: what is left of the supply, V, and after which time, where the board looks. Whatever the first contact
     /// does, no program of the board's cuts the supply: what makes it fall is the second.
     fn supply_falls(&mut self, before_v: f64) -> Result<(Option<f64>, f64), Error> {
-        haptic_sim::refuse_if!(before_v < 2.0 * OFF_V, "{before_v:.1} V of supply are too little to see it fall");
+        cohold_sim::refuse_if!(before_v < 2.0 * OFF_V, "{before_v:.1} V of supply are too little to see it fall");
         let cut = |volts: f64| {
             let uncut = "the second contact does not cut it";
             Err(format!("the stop is pressed, and the supply stands at {volts:.1} V: {uncut}").into())
@@ -273,7 +273,7 @@ impl BringUp<'_> {
             if seconds > SHOWS_S && volts > SHOWS * before_v {
                 return cut(volts);
             }
-            haptic_sim::refuse_if!(
+            cohold_sim::refuse_if!(
                 seconds > FALL_S,
                 "{seconds:.0} s after the stop was pressed the supply is still {volts:.1} V, must be {OFF_V} V: something holds it, \
                      which a resistor across it empties"
@@ -288,7 +288,7 @@ impl BringUp<'_> {
         while let Some((tick, volts)) = winding::supply_at(self.board)?
             && volts <= SHOWS * before_v
         {
-            haptic_sim::refuse_if!(
+            cohold_sim::refuse_if!(
                 TICK_S * f64::from(tick.wrapping_sub(*first.get_or_insert(tick))) > RISE_S,
                 "{RISE_S} s after the stop was released the supply is {volts:.1} V, was {before_v:.1}"
             );
@@ -302,12 +302,12 @@ impl BringUp<'_> {
         let Some(volts) = winding::supply_v(self.board)? else {
             return Ok(format!("{read_v:.1} V by the voltmeter; this board does not measure it"));
         };
-        haptic_sim::refuse_if!(
+        cohold_sim::refuse_if!(
             (volts - read_v).abs() > METER * read_v.abs(),
             "the board reads {volts:.2} V, the voltmeter {read_v:.2} V"
         );
         let [least_v, most_v] = [self.get("motor.min_supply_v")?, self.get("motor.max_supply_v")?];
-        haptic_sim::refuse_if!(volts < least_v || volts > most_v, "{volts:.1} V, may be {least_v} to {most_v} V");
+        cohold_sim::refuse_if!(volts < least_v || volts > most_v, "{volts:.1} V, may be {least_v} to {most_v} V");
         Ok(format!("{volts:.2} V, {read_v:.2} V by the voltmeter"))
     }
 
@@ -373,7 +373,7 @@ impl BringUp<'_> {
             let seen = this.watch(settings, |this| this.board.ticks(1.0))?;
             let crept = seen.iter().fold(0.0, |most: f64, [way, _]| most.max(way.abs()));
             let status = this.status()?;
-            haptic_sim::refuse_if!(
+            cohold_sim::refuse_if!(
                 status.mode != Mode::Armed || crept > CREEP_M,
                 "in a second it moved by {:.2} mm; {status}",
                 1e3 * crept
@@ -405,7 +405,7 @@ impl BringUp<'_> {
         self.armed(|this, _| {
             this.meanwhile(&Task::PressStop)?;
             let status = this.status()?;
-            haptic_sim::refuse_if!(status.mode != Mode::Disarmed, "the motors are not off: {status}");
+            cohold_sim::refuse_if!(status.mode != Mode::Disarmed, "the motors are not off: {status}");
             this.refused("arm", "emergency stop")?;
             this.person.please(&Task::ReleaseStop)?;
             this.refused("arm", "clear first: the emergency stop was pressed")?;
@@ -430,7 +430,7 @@ impl BringUp<'_> {
                 status = this.status();
             }
             let status = status?;
-            haptic_sim::refuse_if!(
+            cohold_sim::refuse_if!(
                 status.mode != Mode::Disarmed || !status.let_go,
                 "the motors should be off because the operator was silent: {status}"
             );
@@ -451,7 +451,7 @@ impl BringUp<'_> {
                 return Err(format!("no times in {answer:?}").into());
             };
             let most_us = most / megahertz;
-            haptic_sim::refuse_if!(most_us > budget_us, "{what} {most_us:.1} µs, may be {budget_us} µs: {answer}");
+            cohold_sim::refuse_if!(most_us > budget_us, "{what} {most_us:.1} µs, may be {budget_us} µs: {answer}");
             seen.push(format!("{what} {most_us:.1} µs of {budget_us}"));
         }
         Ok(seen.join(", "))

@@ -13,13 +13,13 @@ pub enum Error {
     },
     /// A setting of the board has a value that it does not accept.
     #[error(transparent)]
-    Setting(#[from] haptic_core::settings::Refused<'static>),
+    Setting(#[from] cohold_core::settings::Refused<'static>),
     /// Settings from which no link can be built.
     #[error(transparent)]
-    Link(#[from] haptic_protocol::link::ConfigError),
+    Link(#[from] cohold_protocol::link::ConfigError),
     /// A scene, a file or a value that is not allowed.
     #[error(transparent)]
-    Sim(#[from] haptic_sim::Error),
+    Sim(#[from] cohold_sim::Error),
     /// What reaches the board, or the person at it, failed.
     #[error(transparent)]
     Reach(#[from] Box<dyn std::error::Error + Send + Sync>),
@@ -28,4 +28,4 @@ pub enum Error {
     Refused(String),
 }
 
-haptic_sim::sentences_are_refusals!(Error);
+cohold_sim::sentences_are_refusals!(Error);

@@ -2,10 +2,10 @@
 //!
 //! A sealed link of its own beside the flow between the peers: the operator has number 0, the board its own (1 or 2), the key
 //! is the operator's, which no peer but this board holds. Lines and answers are reliable events, records are samples
-//! (haptic-protocol). What a line may say is in firmware/src/operator.rs; the last operator to come is the one the board
+//! (cohold-protocol). What a line may say is in firmware/src/operator.rs; the last operator to come is the one the board
 //! listens to.
 //!
-//! **Run is a lease** ([`haptic_protocol::lease`]): every datagram, all of one length, says whether the motors may run, and the board's say
+//! **Run is a lease** ([`cohold_protocol::lease`]): every datagram, all of one length, says whether the motors may run, and the board's say
 //! whether they do. A line that turns them on starts a run before it is said, `disarm` is a stop before it is said. Other threads that
 //! start and stop share the session's [`Reins`].
 //!
@@ -15,13 +15,13 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use haptic_protocol::lease::{AtOperator, Giver, No, Told, Word};
-use haptic_protocol::lines::{self, Lines, OPERATOR};
-use haptic_protocol::link::{Link, Notice, Stage};
-use haptic_protocol::wire::{Datagram, Event, Message, PeerId, Sample};
-use haptic_protocol::{ends::Ends, key::Key};
+use cohold_protocol::lease::{AtOperator, Giver, No, Told, Word};
+use cohold_protocol::lines::{self, Lines, OPERATOR};
+use cohold_protocol::link::{Link, Notice, Stage};
+use cohold_protocol::wire::{Datagram, Event, Message, PeerId, Sample};
+use cohold_protocol::{ends::Ends, key::Key};
 
-pub use haptic_protocol::lines::PORT;
+pub use cohold_protocol::lines::PORT;
 
 use crate::Error;
 
@@ -140,7 +140,7 @@ impl Session {
             self.samples.push((self.link.sealed_us(), sample));
         }
         while let Some(heard) = self.lines.hear(now_us, &mut self.link) {
-            let line = haptic_io::escaped(heard.line.as_str());
+            let line = cohold_io::escaped(heard.line.as_str());
             match logged(&line) {
                 None => push(&mut self.answers, line.into_owned()),
                 Some((at_us, words)) => {

@@ -1,15 +1,15 @@
 //! What a board's ticks saw and did, as a table for each shared axis: one row for each record that came.
 //!
-//! Records are [`haptic_protocol::record`]'s. They travel once and some get lost: the
+//! Records are [`cohold_protocol::record`]'s. They travel once and some get lost: the
 //! column `tick` says which came. Times count from the first; where a board started anew its ticks begin again, and how long
 //! it was away is not known.
 
-use haptic_core::sample::{Quantities, SAMPLE};
-use haptic_protocol::record::{self, Record};
-use haptic_protocol::wire::Sample;
+use cohold_core::sample::{Quantities, SAMPLE};
+use cohold_protocol::record::{self, Record};
+use cohold_protocol::wire::Sample;
 
-use haptic_report::Columns;
-use haptic_sim::{quantities, quantities::Named};
+use cohold_report::Columns;
+use cohold_sim::{quantities, quantities::Named};
 
 /// Meaning of an encoder's column.
 const COUNTS: &str = "counter of the encoder of this number, modulo 65536";

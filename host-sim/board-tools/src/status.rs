@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use haptic_core::device::probe::{End, Verdict};
-use haptic_core::safety::Mode;
-use haptic_core::settings::Choice;
+use cohold_core::device::probe::{End, Verdict};
+use cohold_core::safety::Mode;
+use cohold_core::settings::Choice;
 
 use crate::Error;
 

@@ -11,10 +11,10 @@
 
 use std::process::{Command, ExitCode};
 
-use haptic_cases::ticks::{self, Measure, Recording, TICKS};
-use haptic_core::law::Law;
-use haptic_core::num::Scalar;
-use haptic_core::settings::Settings;
+use cohold_cases::ticks::{self, Measure, Recording, TICKS};
+use cohold_core::law::Law;
+use cohold_core::num::Scalar;
+use cohold_core::settings::Settings;
 
 /// Replays the one case that was asked for.
 struct Replay<'a> {

@@ -4,11 +4,11 @@
 
 use alloc::vec::Vec;
 
-use haptic_core::contact::Contact;
-use haptic_core::law::wave::Decode;
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::object::{AnyIntegrator, IntegratorName};
-use haptic_core::settings::Settings;
+use cohold_core::contact::Contact;
+use cohold_core::law::wave::Decode;
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::object::{AnyIntegrator, IntegratorName};
+use cohold_core::settings::Settings;
 
 /// Length of every motion, s.
 pub const DURATION_S: f64 = 0.5;

@@ -2,9 +2,9 @@
 //!
 //! Their formulas and what they are compared with: [the filters](../../filters/index.html). Unit: √W in and out.
 
-use haptic_core::law::decimate::{Decimator, OnePole};
-use haptic_core::num::Scalar;
-use haptic_core::settings::Settings;
+use cohold_core::law::decimate::{Decimator, OnePole};
+use cohold_core::num::Scalar;
+use cohold_core::settings::Settings;
 
 /// A low-pass filter that can be compared.
 pub trait Filter<S: Scalar> {

@@ -1,7 +1,7 @@
 //! What is counted and replayed on every processor: every numerical choice as a [`Case`], a number of calls that can be
 //! replayed, and ticks of whole peers.
 //!
-//! Leans on `haptic_core`, `libm` and `alloc` alone, so that the same lines are counted on a PC (callgrind) and on the
+//! Leans on `cohold_core`, `libm` and `alloc` alone, so that the same lines are counted on a PC (callgrind) and on the
 //! microcontroller's processor (`tests/count`, QEMU). How instructions are counted there is the [`Meter`]'s business.
 #![no_std]
 #![forbid(unsafe_code)]
@@ -23,13 +23,13 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use core::hint::black_box;
 
-use haptic_core::device::kinematics::{AnyKinematics, KinematicsName, Maths};
-use haptic_core::device::velocity::{AnyVelocity, VelocityName};
-use haptic_core::law::wave::{Decode, PassiveWave};
-use haptic_core::law::{AnyLaw, Law, LawInfo, Observation};
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::object::{AnyIntegrator, IntegratorName, Staged};
-use haptic_core::settings::{Choice, Settings};
+use cohold_core::device::kinematics::{AnyKinematics, KinematicsName, Maths};
+use cohold_core::device::velocity::{AnyVelocity, VelocityName};
+use cohold_core::law::wave::{Decode, PassiveWave};
+use cohold_core::law::{AnyLaw, Law, LawInfo, Observation};
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::object::{AnyIntegrator, IntegratorName, Staged};
+use cohold_core::settings::{Choice, Settings};
 
 use filters::{Bilinear, Exact, Filter, ForwardEuler};
 use ticks::{Recording, TICKS, step};

@@ -2,10 +2,10 @@
 //!
 //! What comes out is compared in [the decodes](../../decodes/index.html). Unit: m, m/s, √W, s.
 
-use haptic_core::law::Packet;
-use haptic_core::law::wave::Decode;
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::settings::Settings;
+use cohold_core::law::Packet;
+use cohold_core::law::wave::Decode;
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::settings::Settings;
 
 /// Amplitude of the copy's motion, m.
 pub const AMPLITUDE_M: f64 = 0.005;

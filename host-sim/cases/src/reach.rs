@@ -9,10 +9,10 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
-use haptic_core::device::encoder::{Counts, Encoder, EncoderState};
-use haptic_core::device::velocity::VelocityName;
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::settings::{Choice, Settings};
+use cohold_core::device::encoder::{Counts, Encoder, EncoderState};
+use cohold_core::device::velocity::VelocityName;
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::settings::{Choice, Settings};
 
 /// Encoder resolutions, counts/m: 50 µm, 16 bit, 5 µm (the default), 24 bit.
 pub const RESOLUTIONS: [f64; 4] = [20_000.0, 65_536.0, 200_000.0, 16_777_216.0];

@@ -10,13 +10,13 @@
 //!
 //! The hash: FNV-1a over 64-bit words with a fold, over the bits of the dynamic state, of forces and duties, after every tick.
 
-use haptic_core::device::encoder::Counts;
-use haptic_core::device::{AXES, Reading};
-use haptic_core::law::{AnyLaw, Packet};
-use haptic_core::num::{Motion, Scalar, StateVector};
-use haptic_core::peer::{Actuators, Peer, Sensors};
-use haptic_core::safety::Command;
-use haptic_core::settings::{Settings, Value};
+use cohold_core::device::encoder::Counts;
+use cohold_core::device::{AXES, Reading};
+use cohold_core::law::{AnyLaw, Packet};
+use cohold_core::num::{Motion, Scalar, StateVector};
+use cohold_core::peer::{Actuators, Peer, Sensors};
+use cohold_core::safety::Command;
+use cohold_core::settings::{Settings, Value};
 
 /// The reading is exact.
 pub const EXACT: u8 = 1;

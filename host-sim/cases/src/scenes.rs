@@ -2,12 +2,12 @@
 //!
 //! The table that comes of it: [the cost per scene](../../cost/index.html).
 
-use haptic_core::device::kinematics::{KinematicsName, Maths};
-use haptic_core::device::velocity::VelocityName::{Adaptive, Difference, Filtered};
-use haptic_core::law::wave::Decode;
-use haptic_core::object::IntegratorName::{BackwardEuler, Exact, Midpoint, SemiImplicit};
-use haptic_core::schema::Schema;
-use haptic_core::settings::{LawInfo, Settings, Value};
+use cohold_core::device::kinematics::{KinematicsName, Maths};
+use cohold_core::device::velocity::VelocityName::{Adaptive, Difference, Filtered};
+use cohold_core::law::wave::Decode;
+use cohold_core::object::IntegratorName::{BackwardEuler, Exact, Midpoint, SemiImplicit};
+use cohold_core::schema::Schema;
+use cohold_core::settings::{LawInfo, Settings, Value};
 
 /// A scene that is counted.
 #[derive(Clone, Copy, Debug)]

@@ -9,17 +9,17 @@ use alloc::vec::Vec;
 use core::f64::consts::TAU;
 use core::hint::black_box;
 
-use haptic_core::contact::Side;
-use haptic_core::device::encoder::Counts;
-use haptic_core::device::kinematics::KinematicsName;
-use haptic_core::device::velocity::VelocityName;
-use haptic_core::device::{AXES, Reading};
-use haptic_core::law::wave::{Decode, PassiveWave};
-use haptic_core::law::{AnyLaw, Law, Packet};
-use haptic_core::num::{Fixed, Motion, Scalar};
-use haptic_core::peer::{Actuators, Peer, Sensors};
-use haptic_core::safety::{Command, Mode};
-use haptic_core::settings::Settings;
+use cohold_core::contact::Side;
+use cohold_core::device::encoder::Counts;
+use cohold_core::device::kinematics::KinematicsName;
+use cohold_core::device::velocity::VelocityName;
+use cohold_core::device::{AXES, Reading};
+use cohold_core::law::wave::{Decode, PassiveWave};
+use cohold_core::law::{AnyLaw, Law, Packet};
+use cohold_core::num::{Fixed, Motion, Scalar};
+use cohold_core::peer::{Actuators, Peer, Sensors};
+use cohold_core::safety::{Command, Mode};
+use cohold_core::settings::Settings;
 
 /// Whatever measures the cases.
 pub trait Measure {

@@ -6,8 +6,8 @@ use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use haptic_core::device::kinematics::{KinematicsName, Maths};
-use haptic_core::settings::{Choice, Settings};
+use cohold_core::device::kinematics::{KinematicsName, Maths};
+use cohold_core::settings::{Choice, Settings};
 
 /// The mechanisms and functions that are compared.
 pub const CHOICES: [(KinematicsName, Maths); 3] = [

@@ -1,14 +1,14 @@
-//! `host-sim accuracy`: speed against error, for every numerical choice; and what each model adds to a scene.
+//! `cohold accuracy`: speed against error, for every numerical choice; and what each model adds to a scene.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use haptic_sim::{scene::Scene, scenes};
-use haptic_studies::accuracy;
-use haptic_studies::accuracy::counts::{Processor, SCALARS, cost_columns, costs};
-use haptic_studies::accuracy::{picture, rigid, timed};
-use haptic_studies::precision::{columns, measure};
-use haptic_studies::{force, transparency};
+use cohold_sim::{scene::Scene, scenes};
+use cohold_studies::accuracy;
+use cohold_studies::accuracy::counts::{Processor, SCALARS, cost_columns, costs};
+use cohold_studies::accuracy::{picture, rigid, timed};
+use cohold_studies::precision::{columns, measure};
+use cohold_studies::{force, transparency};
 use rayon::prelude::*;
 use serde_json::json;
 

@@ -1,16 +1,16 @@
-//! `host-sim study bench`: coordination laws tuned by one search under the same bounds, and tested on other networks.
+//! `cohold study bench`: coordination laws tuned by one search under the same bounds, and tested on other networks.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use haptic_core::law::Sends;
-use haptic_report::Provenance;
-use haptic_studies::bench::chooser::{self, CHOOSER};
-use haptic_studies::bench::page::{BENCH, PICTURE, section};
-use haptic_studies::bench::{Found, figure, tables};
-use haptic_studies::campaign::laws::asked_for;
-use haptic_studies::networks::{Network, TEST};
-use haptic_studies::{bench, sweep};
+use cohold_core::law::Sends;
+use cohold_report::Provenance;
+use cohold_studies::bench::chooser::{self, CHOOSER};
+use cohold_studies::bench::page::{BENCH, PICTURE, section};
+use cohold_studies::bench::{Found, figure, tables};
+use cohold_studies::campaign::laws::asked_for;
+use cohold_studies::networks::{Network, TEST};
+use cohold_studies::{bench, sweep};
 use serde_json::json;
 
 use super::flags::Out;

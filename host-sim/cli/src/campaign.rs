@@ -1,14 +1,14 @@
-//! `host-sim study networks` and `host-sim study laws`: every kind of communications, one scene, or laws, over every kind of bad network.
+//! `cohold study networks` and `cohold study laws`: every kind of communications, one scene, or laws, over every kind of bad network.
 
 use std::path::PathBuf;
 
 use clap::Args;
-use haptic_core::num::Scalar;
-use haptic_io::Kind;
-use haptic_plot::write_file;
-use haptic_studies::campaign::laws::page::{MOST, PICTURE, page};
-use haptic_studies::campaign::laws::{asked_for, bench, figures, law_scenes, tables};
-use haptic_studies::campaign::{Cell, campaign, columns, cost_columns, costs, of_scene};
+use cohold_core::num::Scalar;
+use cohold_io::Kind;
+use cohold_plot::write_file;
+use cohold_studies::campaign::laws::page::{MOST, PICTURE, page};
+use cohold_studies::campaign::laws::{asked_for, bench, figures, law_scenes, tables};
+use cohold_studies::campaign::{Cell, campaign, columns, cost_columns, costs, of_scene};
 use serde_json::json;
 
 use super::flags::Out;
@@ -79,7 +79,7 @@ impl Laws {
             let set: Vec<String> = EACH_TICK.map(str::to_owned).to_vec();
             let scenes = law_scenes(ui.laws, &chosen, None, &set)?;
             let (each_tick, _) = ui.work(chosen.len(), "laws", |step| bench(ui.laws, &scenes, &|| step()))?;
-            let old = haptic_io::text(file, MOST).unwrap_or_default();
+            let old = cohold_io::text(file, MOST).unwrap_or_default();
             write_file(file, "Markdown", page(&rows, &each_tick, &old).as_bytes(), Kind::Named)?;
             files.extend([file.clone(), Ui::beside(file, PICTURE, &figures::impedance(&rows))?]);
         }

@@ -1,22 +1,22 @@
-//! `host-sim recording columns`: what is in the files, column by column, from the declarations that write them.
+//! `cohold recording columns`: what is in the files, column by column, from the declarations that write them.
 //!
 //! A kind of table is listed here with the function that makes it, called without rows. Where a table depends on what was asked,
 //! it is that of an example: a sweep over `TABLE.KEY`, a hub of two lines.
 
-use haptic_analysis::{Axis, Map, Range, figure4, rendering::maps};
-use haptic_live::recording::file::ROW;
-use haptic_live::recording::mcap::{Channel, log_channel};
-use haptic_live::recording::{merge, ticks};
-use haptic_plot::DATA_COLUMNS;
-use haptic_report::{Column, Columns};
-use haptic_sim::network::trace;
-use haptic_sim::{run::Account, scene::Scene};
-use haptic_studies::entrant::Entrant;
-use haptic_studies::reproduce::paper;
-use haptic_studies::study::{Network, Study, answers::Goal};
-use haptic_studies::sweep;
-use haptic_studies::sweep::{Kept as _, Row, Sweep};
-use haptic_studies::{accuracy, bench, campaign, force, precision, reproduce, transparency};
+use cohold_analysis::{Axis, Map, Range, figure4, rendering::maps};
+use cohold_live::recording::file::ROW;
+use cohold_live::recording::mcap::{Channel, log_channel};
+use cohold_live::recording::{merge, ticks};
+use cohold_plot::DATA_COLUMNS;
+use cohold_report::{Column, Columns};
+use cohold_sim::network::trace;
+use cohold_sim::{run::Account, scene::Scene};
+use cohold_studies::entrant::Entrant;
+use cohold_studies::reproduce::paper;
+use cohold_studies::study::{Network, Study, answers::Goal};
+use cohold_studies::sweep;
+use cohold_studies::sweep::{Kept as _, Row, Sweep};
+use cohold_studies::{accuracy, bench, campaign, force, precision, reproduce, transparency};
 use serde_json::{Value, json};
 
 use super::{Failure, Ui};
@@ -232,7 +232,7 @@ fn kinds(ui: &Ui) -> Vec<TableKind> {
             "board",
             "the FILE.csv of `board operator --record`",
             "a tick that came",
-            Columns::named(haptic_board_tools::recording::COLUMNS),
+            Columns::named(cohold_board_tools::recording::COLUMNS),
         ),
         TableKind::new("figure", "SVG and PDF: the data inside", "a point of a figure", Columns::named(DATA_COLUMNS)),
         TableKind::of("cooperate", both),

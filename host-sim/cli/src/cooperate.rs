@@ -1,15 +1,15 @@
-//! `host-sim cooperate`: two peers hold one object.
+//! `cohold cooperate`: two peers hold one object.
 
 use clap::Args;
-use haptic_analysis::{Conclusion, conclude};
-use haptic_core::num::{Fixed, Scalar};
-use haptic_core::safety::Fault;
-use haptic_core::settings::Refused;
-use haptic_live::recording::mcap::{ERROR, INFO};
-use haptic_report::Columns;
-use haptic_sim::run::{self, AXIS_NAMES, EachRow, Options, Outcome, Run, run_seen};
-use haptic_sim::scene::Scene;
-use haptic_studies::figures;
+use cohold_analysis::{Conclusion, conclude};
+use cohold_core::num::{Fixed, Scalar};
+use cohold_core::safety::Fault;
+use cohold_core::settings::Refused;
+use cohold_live::recording::mcap::{ERROR, INFO};
+use cohold_report::Columns;
+use cohold_sim::run::{self, AXIS_NAMES, EachRow, Options, Outcome, Run, run_seen};
+use cohold_sim::scene::Scene;
+use cohold_studies::figures;
 use serde_json::json;
 
 use super::flags::{ScalarName, Simulation};

@@ -4,9 +4,9 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::{Args, Parser};
-use haptic_live::devices::{AXES, Adapter, DeviceOptions, Kind, board};
-use haptic_live::key_file;
-use haptic_protocol::key::Role;
+use cohold_live::devices::{AXES, Adapter, DeviceOptions, Kind, board};
+use cohold_live::key_file;
+use cohold_protocol::key::Role;
 
 use super::address::endpoint;
 use super::flags::{SceneArgs, number};
@@ -132,7 +132,7 @@ struct Alone {
 /// A word that is not known, or a value that is not allowed.
 pub fn device_options(words: &[String], adapters: &[Adapter]) -> Result<DeviceOptions, Failure> {
     let alone = Alone::try_parse_from(words).map_err(|error| refusal(&error))?;
-    let mut ui = Ui::new(false, haptic_sim::Laws::built_in());
+    let mut ui = Ui::new(false, cohold_sim::Laws::built_in());
     ui.devices = adapters.to_vec();
     alone.device.wanted(&ui)
 }

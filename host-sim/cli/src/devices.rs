@@ -1,15 +1,15 @@
-//! `host-sim devices`: what is attached, and ten steps with one of them.
+//! `cohold devices`: what is attached, and ten steps with one of them.
 
 use std::io::BufRead as _;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use haptic_io::Kind;
-use haptic_live::devices::steps::{PUSH_N, Trial};
-use haptic_live::devices::{Found, Health};
-use haptic_report::Columns;
-use haptic_sim::scene::Device;
+use cohold_io::Kind;
+use cohold_live::devices::steps::{PUSH_N, Trial};
+use cohold_live::devices::{Found, Health};
+use cohold_report::Columns;
+use cohold_sim::scene::Device;
 use serde_json::json;
 
 use super::device::DeviceArgs;
@@ -39,8 +39,8 @@ pub(super) struct Devices {
 }
 
 /// Asks on standard error, hears on standard input.
-fn please(task: &str) -> Result<(), haptic_live::Error> {
-    haptic_io::say(format_args!("{task}; then press Enter"));
+fn please(task: &str) -> Result<(), cohold_live::Error> {
+    cohold_io::say(format_args!("{task}; then press Enter"));
     match std::io::stdin().lock().read_line(&mut String::new()) {
         Ok(0) => Err("standard input has ended: somebody has to be at the device".to_owned().into()),
         Ok(_) => Ok(()),
@@ -74,8 +74,8 @@ impl Devices {
         if let Some(file) = &self.settings {
             let (name, health) = (port.abilities().name.clone(), port.health());
             let text = self.table(&name, health, delay_ticks, &beneath);
-            haptic_io::write(file, text.as_bytes(), Kind::Named)
-                .map_err(haptic_sim::Error::cannot("write", &file.display()))?;
+            cohold_io::write(file, text.as_bytes(), Kind::Named)
+                .map_err(cohold_sim::Error::cannot("write", &file.display()))?;
             ui.status(format_args!("what a scene needs of it is in {}", file.display()));
         }
         ui.report("", &json!({ "device": port.abilities().name, "passed": passed, "force_delay_ticks": delay_ticks, "health": port.health() }))
@@ -95,7 +95,7 @@ impl Devices {
         );
         let health = json!(health);
         let mut text =
-            format!("# {name}, which passed the ten steps of `host-sim devices`. It told of itself: {health}.\n");
+            format!("# {name}, which passed the ten steps of `cohold devices`. It told of itself: {health}.\n");
         text += &format!("{warning}\n[device]\nforce_delay_ticks = {known:?}\n\n[peer.{}.safety]\n", self.number);
         for (key, set) in beneath {
             let (name, value) = (key.trim_start_matches("safety."), set.split_once('=').map_or("", |(_, value)| value));

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use haptic_sim::user::User;
-use haptic_studies::entrant::Entrant;
+use cohold_sim::user::User;
+use cohold_studies::entrant::Entrant;
 
 use super::flags::Time;
 use super::{Failure, Ui};

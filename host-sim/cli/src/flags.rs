@@ -6,20 +6,20 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Arg, ArgAction, Args, ValueEnum};
-use haptic_board_tools::calibrate::settings_file;
-use haptic_core::names::Choice;
-use haptic_live::key_file;
-use haptic_live::recording::mcap::Channel;
-use haptic_live::recording::origin::Origin;
-use haptic_live::recording::recorder::Recorder;
-use haptic_live::recording::ticks::name_of;
-use haptic_live::tell::Manner;
-use haptic_live::watch::LiveOptions;
-use haptic_protocol::key::{Key, Role};
-use haptic_report::Provenance;
-use haptic_sim::run::Account;
-use haptic_sim::scene::{MOST, Scene};
-use haptic_sim::scenes;
+use cohold_board_tools::calibrate::settings_file;
+use cohold_core::names::Choice;
+use cohold_live::key_file;
+use cohold_live::recording::mcap::Channel;
+use cohold_live::recording::origin::Origin;
+use cohold_live::recording::recorder::Recorder;
+use cohold_live::recording::ticks::name_of;
+use cohold_live::tell::Manner;
+use cohold_live::watch::LiveOptions;
+use cohold_protocol::key::{Key, Role};
+use cohold_report::Provenance;
+use cohold_sim::run::Account;
+use cohold_sim::scene::{MOST, Scene};
+use cohold_sim::scenes;
 
 use super::address::endpoint;
 use super::ui::{Failure, Ui};
@@ -115,7 +115,7 @@ impl SceneArgs {
         let text = match (&self.scene, self.built_in()?) {
             (_, Some(name)) => scenes::text(name).unwrap_or_default().to_owned(),
             (Some(path), _) => {
-                haptic_io::text(path, MOST).map_err(haptic_sim::Error::cannot("read", &path.display()))?
+                cohold_io::text(path, MOST).map_err(cohold_sim::Error::cannot("read", &path.display()))?
             }
             (None, None) => String::new(),
         };
@@ -260,7 +260,7 @@ impl Telling {
 /// A recording.
 #[derive(Clone, Debug, Args)]
 pub struct RecordTo {
-    /// Record every tick in this file, NAME.mcap, while it runs; it must not be there yet. `host-sim recording convert` makes Parquet or CSV of it.
+    /// Record every tick in this file, NAME.mcap, while it runs; it must not be there yet. `cohold recording convert` makes Parquet or CSV of it.
     #[arg(long, value_name = "FILE", value_parser = recording)]
     pub record: Option<PathBuf>,
 }
@@ -299,7 +299,7 @@ pub struct Patience {
 /// The key of a sealed line.
 #[derive(Clone, Debug, Args)]
 pub struct KeyFile {
-    /// Key file, the same at both ends (`host-sim key generate`).
+    /// Key file, the same at both ends (`cohold key generate`).
     #[arg(long, value_name = "FILE")]
     pub key_file: PathBuf,
 }
@@ -332,7 +332,7 @@ fn recording(text: &str) -> Result<PathBuf, Failure> {
     let is_mcap = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mcap"));
     is_mcap
         .then_some(file)
-        .ok_or_else(|| "a recording ends in .mcap; `host-sim recording convert` makes CSV or Parquet of it".into())
+        .ok_or_else(|| "a recording ends in .mcap; `cohold recording convert` makes CSV or Parquet of it".into())
 }
 
 /// One of the names of a closed list, on the command line.

@@ -4,13 +4,13 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use haptic_report::{Columns, Provenance};
-use haptic_sim::run::Until;
-use haptic_studies::study::Study;
-use haptic_studies::study::answers::Goal;
-use haptic_studies::study::halving::LeftOut;
-use haptic_studies::sweep;
-use haptic_studies::sweep::{Axis, Design, Journal, Plan, Row, Sample, Spread};
+use cohold_report::{Columns, Provenance};
+use cohold_sim::run::Until;
+use cohold_studies::study::Study;
+use cohold_studies::study::answers::Goal;
+use cohold_studies::study::halving::LeftOut;
+use cohold_studies::sweep;
+use cohold_studies::sweep::{Axis, Design, Journal, Plan, Row, Sample, Spread};
 
 use super::flags::choice;
 use super::{Failure, Ui};

@@ -1,10 +1,10 @@
-//! `host-sim key`: keys of sealed lines.
+//! `cohold key`: keys of sealed lines.
 
 use std::path::PathBuf;
 
 use clap::Args;
-use haptic_live::key_file;
-use haptic_protocol::key::{Key as SecretKey, Role};
+use cohold_live::key_file;
+use cohold_protocol::key::{Key as SecretKey, Role};
 use serde_json::json;
 
 use super::{Failure, Ui};
@@ -60,10 +60,10 @@ impl Generate {
 
 #[derive(Debug, Args)]
 pub(crate) struct Image {
-    /// Key file of the peers, or of the board's line to a hub (`host-sim key generate`).
+    /// Key file of the peers, or of the board's line to a hub (`cohold key generate`).
     #[arg(long, value_name = "FILE")]
     key_file: PathBuf,
-    /// Key file of the operator (`host-sim key generate --operator`).
+    /// Key file of the operator (`cohold key generate --operator`).
     #[arg(long, value_name = "FILE")]
     operator_key_file: PathBuf,
     /// File to make, as secret as the keys; an existing one is left alone.
@@ -79,7 +79,7 @@ impl Image {
         if peers == operator {
             let (one, other) = (self.key_file.display(), self.operator_key_file.display());
             return Err(format!(
-                "{one} and {other} hold the same key: who has the peers' could arm the board; `host-sim key generate` makes another"
+                "{one} and {other} hold the same key: who has the peers' could arm the board; `cohold key generate` makes another"
             )
             .into());
         }

@@ -54,13 +54,13 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
 
+use cohold_live::devices::{Adapter, Opens};
+use cohold_report::Columns;
+use cohold_sim::{Laws, scene::nearest};
+use cohold_studies::{proof::Prover, reproduce::Paper};
 use columns::TableKind;
 pub use device::device_options;
 pub use flags::SceneArgs;
-use haptic_live::devices::{Adapter, Opens};
-use haptic_report::Columns;
-use haptic_sim::{Laws, scene::nearest};
-use haptic_studies::{proof::Prover, reproduce::Paper};
 use road::Meets;
 use ui::Unsuccessful;
 pub use ui::{Failure, Ui, provenance};
@@ -103,7 +103,7 @@ pub trait Commands: Subcommand {
 /// Exit status: 0 what was asked for is done, and good; 1 it is done and is not (`cooperate` unstable or apart, `stability point`
 /// unstable, a peer with a fault or never armed); 2 it cannot be done, and one line says why.
 #[derive(Debug, Parser)]
-#[command(name = "host-sim", version, disable_help_subcommand = true)]
+#[command(name = "cohold", version, disable_help_subcommand = true)]
 struct CommandLine {
     #[command(subcommand)]
     command: Option<Command>,
@@ -116,7 +116,7 @@ struct CommandLine {
 }
 
 commands! {
-    /// What host-sim does.
+    /// What cohold does.
     pub(crate) Command {
         /// The cooperation paper's experiments, Figures 6-9 and its table of gains, beside the paper's own numbers.
         #[command(args_conflicts_with_subcommands = true)]
@@ -172,7 +172,7 @@ struct Added {
 /// What a flag without a value prints instead of anything else.
 type Listing = fn(&Ui) -> Result<(), Failure>;
 
-/// The command line of `host-sim`: the heart's commands and laws, and whatever guests add.
+/// The command line of `cohold`: the heart's commands and laws, and whatever guests add.
 pub struct Cli {
     added: Vec<Added>,
     listings: Vec<(&'static str, Listing)>,
@@ -252,8 +252,8 @@ impl Cli {
     /// table, or with `--json` as a list with an object for each row.
     ///
     /// ```no_run
-    /// use haptic_report::Columns;
-    /// use haptic_sim::{Laws, Scene};
+    /// use cohold_report::Columns;
+    /// use cohold_sim::{Laws, Scene};
     ///
     /// /// Control periods in a packet period of the default scene, times what is asked for.
     /// #[derive(clap::Args)]
@@ -267,7 +267,7 @@ impl Cli {
     ///     let ticks = asked.count * Scene::new(laws).peer.timing.ticks_per_packet;
     ///     Ok(Columns::of(&[()]).value("ticks", |()| ticks).done())
     /// };
-    /// haptic_cli::Cli::default().with_command("packets", packets).main();
+    /// cohold_cli::Cli::default().with_command("packets", packets).main();
     /// ```
     #[must_use]
     pub fn with_command<A: Args + 'static>(
@@ -343,7 +343,7 @@ impl Cli {
         match outcome {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => {
-                haptic_io::say(format_args!("host-sim: {}", haptic_io::escaped(&error.to_string())));
+                cohold_io::say(format_args!("cohold: {}", cohold_io::escaped(&error.to_string())));
                 ExitCode::from(if error.is::<Unsuccessful>() { 1 } else { 2 })
             }
         }
@@ -379,7 +379,7 @@ impl Cli {
         let line = CommandLine::from_arg_matches(matches)?;
         if let Some(shell) = line.completions {
             let mut script = Vec::new();
-            clap_complete::generate(shell, &mut self.command(), "host-sim", &mut script);
+            clap_complete::generate(shell, &mut self.command(), "cohold", &mut script);
             write!(Ui::new(false, self.laws), "{}", String::from_utf8(script)?);
             return Ok(());
         }

@@ -1,6 +1,6 @@
 //! What can be named: `--keys` of a scene, `--scenes`.
 
-use haptic_sim::{scene::Scene, scenes};
+use cohold_sim::{scene::Scene, scenes};
 use serde_json::{Value, json};
 
 use super::listing::{Item, list};
@@ -14,7 +14,7 @@ pub fn key(name: String, default: impl Into<Value>, unit: &str, allowed: &str, m
 pub(super) fn scene_keys(ui: &Ui) -> Result<(), Failure> {
     let defaults = Scene::new(ui.laws);
     let default = |name: &str| defaults.get(name).map_or_else(String::new, |value| value.to_string());
-    let number = |(name, about): (String, haptic_core::settings::Key)| {
+    let number = |(name, about): (String, cohold_core::settings::Key)| {
         let default = default(&name);
         key(name, default, about.unit, &about.allowed.to_string(), about.doc)
     };

@@ -1,11 +1,11 @@
-//! `host-sim peer`: one of two live peers, or of those around a hub.
+//! `cohold peer`: one of two live peers, or of those around a hub.
 
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 
 use clap::Args;
-use haptic_live::endpoint::{Span, Stop};
-use haptic_live::watch::LiveOptions;
+use cohold_live::endpoint::{Span, Stop};
+use cohold_live::watch::LiveOptions;
 
 use super::address::endpoint;
 use super::device::DeviceArgs;
@@ -28,7 +28,7 @@ pub(super) struct Peer {
     /// Where this end listens; port 0 is any.
     #[arg(long, value_name = "ADDRESS:PORT", value_parser = endpoint, required = true)]
     listen: Option<SocketAddr>,
-    /// Key file, the same at both ends (`host-sim key generate`).
+    /// Key file, the same at both ends (`cohold key generate`).
     #[arg(long, value_name = "FILE", required = true)]
     key_file: Option<PathBuf>,
     #[command(flatten)]

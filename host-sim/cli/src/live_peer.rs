@@ -1,19 +1,19 @@
 //! A live peer as its faces hold it, the command `peer` and the Python module: judged at the delays that its link measures, and limited
-//! for the hand at its device. The peer itself is [`haptic_live::peer`].
+//! for the hand at its device. The peer itself is [`cohold_live::peer`].
 
 use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::Arc;
 
-use haptic_analysis::{Finding, Hand, Question, find, measured};
-use haptic_live::endpoint::{Span, Stop};
-use haptic_live::key_file;
-use haptic_live::peer::{self, Report};
-use haptic_live::verdict::{Judge, Measured, Verdict};
-use haptic_live::watch::LiveOptions;
-use haptic_protocol::key::{Key, Role};
-use haptic_report::Provenance;
-use haptic_sim::scene::{Device, PlantSettings, Scene};
+use cohold_analysis::{Finding, Hand, Question, find, measured};
+use cohold_live::endpoint::{Span, Stop};
+use cohold_live::key_file;
+use cohold_live::peer::{self, Report};
+use cohold_live::verdict::{Judge, Measured, Verdict};
+use cohold_live::watch::LiveOptions;
+use cohold_protocol::key::{Key, Role};
+use cohold_report::Provenance;
+use cohold_sim::scene::{Device, PlantSettings, Scene};
 
 pub use crate::device_options;
 
@@ -51,7 +51,7 @@ impl LivePeer {
     ///
     /// # Errors
     /// It cannot be read, may be read by others, or is no such key.
-    pub fn key(file: &Path) -> Result<Key, haptic_sim::Error> {
+    pub fn key(file: &Path) -> Result<Key, cohold_sim::Error> {
         key_file::read(file, Role::Peers)
     }
 
@@ -59,7 +59,7 @@ impl LivePeer {
     ///
     /// # Errors
     /// The file exists or cannot be written, or the system gives no random bytes.
-    pub fn generate_key(file: &Path) -> Result<(), haptic_sim::Error> {
+    pub fn generate_key(file: &Path) -> Result<(), cohold_sim::Error> {
         key_file::generate(file, Role::Peers)
     }
 
@@ -67,7 +67,7 @@ impl LivePeer {
     ///
     /// # Errors
     /// It did not begin, or nobody was there.
-    pub fn run(self, wanted: LiveOptions, stop: &Stop) -> Result<Report, haptic_live::Error> {
+    pub fn run(self, wanted: LiveOptions, stop: &Stop) -> Result<Report, cohold_live::Error> {
         let Self { scene, number, key, ends, span, anyway } = self;
         let judge = Some(judge(scene.clone(), number, None, anyway));
         peer::run(&scene, key, number, ends, span, &LiveOptions { judge, ..wanted }, stop)
@@ -86,7 +86,7 @@ const LATER: &str = "what the device is late by beyond 20 ticks";
 
 /// This scene where the device of peer `number` acts so many ticks after it was read, or as many as a scene has. Its motors are its own: what the
 /// scene simulates of motors leaves their delay to the other end's device.
-fn with_device(mut scene: Scene, number: u8, ticks: u32) -> Result<Scene, haptic_sim::Error> {
+fn with_device(mut scene: Scene, number: u8, ticks: u32) -> Result<Scene, cohold_sim::Error> {
     scene.world.device.force_delay_ticks = scene.force_delay_ticks();
     scene.world.plant = PlantSettings::default();
     let ticks = f64::from(ticks).min(Device::MOST_DELAY_TICKS);

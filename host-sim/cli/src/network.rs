@@ -1,11 +1,11 @@
-//! `host-sim network`: bad networks, and peers that are tried on them.
+//! `cohold network`: bad networks, and peers that are tried on them.
 
 use std::{net::SocketAddr, path::PathBuf};
 
 use clap::Args;
-use haptic_live::{endpoint::Stop, measuring, relay};
-use haptic_sim::network::link::Route;
-use haptic_sim::network::rule::{Direction, Found, NetworkTrace};
+use cohold_live::{endpoint::Stop, measuring, relay};
+use cohold_sim::network::link::Route;
+use cohold_sim::network::rule::{Direction, Found, NetworkTrace};
 use serde_json::json;
 
 use super::address::endpoint;

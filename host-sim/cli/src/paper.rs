@@ -1,9 +1,9 @@
-//! `host-sim paper`: the cooperation paper's experiments beside its own numbers. The main job of the project.
+//! `cohold paper`: the cooperation paper's experiments beside its own numbers. The main job of the project.
 
 use clap::Args;
-use haptic_core::num::Scalar;
-use haptic_studies::figures;
-use haptic_studies::reproduce::paper::{DURATION_S, experiment_columns, experiments, gain_columns, gains};
+use cohold_core::num::Scalar;
+use cohold_studies::figures;
+use cohold_studies::reproduce::paper::{DURATION_S, experiment_columns, experiments, gain_columns, gains};
 use serde_json::json;
 
 use super::reproduce::Reproduce;

@@ -1,10 +1,10 @@
-//! `host-sim stability prove`: forces stay within their limits, law by law.
+//! `cohold stability prove`: forces stay within their limits, law by law.
 
 use std::path::PathBuf;
 
 use clap::Args;
-use haptic_studies::campaign::laws::page;
-use haptic_studies::proof;
+use cohold_studies::campaign::laws::page;
+use cohold_studies::proof;
 use rayon::prelude::*;
 use serde_json::json;
 

@@ -1,16 +1,16 @@
-//! `host-sim recording convert` and `host-sim recording merge`: what to do with recordings.
+//! `cohold recording convert` and `cohold recording merge`: what to do with recordings.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use haptic_io::Kind;
-use haptic_live::recording::file::{Recording, Rows, read};
-use haptic_live::recording::merge::{both, merge};
-use haptic_live::recording::together;
-use haptic_live::watch::GOOD_CLOCK_S;
-use haptic_plot::write_file;
-use haptic_report::files::{write_csv, write_parquet};
-use haptic_report::{Columns, Error};
+use cohold_io::Kind;
+use cohold_live::recording::file::{Recording, Rows, read};
+use cohold_live::recording::merge::{both, merge};
+use cohold_live::recording::together;
+use cohold_live::watch::GOOD_CLOCK_S;
+use cohold_plot::write_file;
+use cohold_report::files::{write_csv, write_parquet};
+use cohold_report::{Columns, Error};
 use serde_json::{Value, json};
 
 use super::columns::Args as Meanings;

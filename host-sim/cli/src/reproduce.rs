@@ -1,12 +1,12 @@
-//! `host-sim paper reproduce`: every table and figure of both papers, with a verdict on each claim.
+//! `cohold paper reproduce`: every table and figure of both papers, with a verdict on each claim.
 
 use clap::Args;
-use haptic_analysis::rendering::{identify, maps, picture as rendering};
-use haptic_analysis::{figure4, picture};
-use haptic_core::num::Scalar;
-use haptic_studies::figures;
-use haptic_studies::reproduce::paper::{DURATION_S, experiment_columns, experiments, gain_columns, gains};
-use haptic_studies::reproduce::{Computed, Reproduced, columns, cooperation, counted, counts, page};
+use cohold_analysis::rendering::{identify, maps, picture as rendering};
+use cohold_analysis::{figure4, picture};
+use cohold_core::num::Scalar;
+use cohold_studies::figures;
+use cohold_studies::reproduce::paper::{DURATION_S, experiment_columns, experiments, gain_columns, gains};
+use cohold_studies::reproduce::{Computed, Reproduced, columns, cooperation, counted, counts, page};
 use serde_json::json;
 
 use super::{Failure, Ui, flags::Out};

@@ -4,9 +4,9 @@ use std::fmt::Debug;
 use std::path::Path;
 use std::sync::Arc;
 
-use haptic_live::endpoint::Stop;
-use haptic_live::road::Roads;
-use haptic_protocol::key::Key;
+use cohold_live::endpoint::Stop;
+use cohold_live::road::Roads;
+use cohold_protocol::key::Key;
 
 use super::{Failure, Ui};
 

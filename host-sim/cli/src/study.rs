@@ -1,15 +1,15 @@
-//! `host-sim study`: scenes or laws over keys, networks and seeds: which is best where, under which bounds, and how sure that is.
+//! `cohold study`: scenes or laws over keys, networks and seeds: which is best where, under which bounds, and how sure that is.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use haptic_core::names::Choice;
-use haptic_report::{Columns, Provenance};
-use haptic_sim::run::Until;
-use haptic_studies::study::answers::{Answer, Bound, Goal, metric};
-use haptic_studies::study::halving::Search;
-use haptic_studies::study::{Network, OWN, Study as Asked};
-use haptic_studies::sweep::{Plan, Row, tag};
+use cohold_core::names::Choice;
+use cohold_report::{Columns, Provenance};
+use cohold_sim::run::Until;
+use cohold_studies::study::answers::{Answer, Bound, Goal, metric};
+use cohold_studies::study::halving::Search;
+use cohold_studies::study::{Network, OWN, Study as Asked};
+use cohold_studies::sweep::{Plan, Row, tag};
 use serde_json::json;
 
 use super::bench::Bench;
@@ -72,7 +72,7 @@ pub(super) struct Study {
 /// Networks of a name.
 type OfOneName = Box<[Network]>;
 
-fn networks(text: &str) -> Result<OfOneName, haptic_studies::Error> {
+fn networks(text: &str) -> Result<OfOneName, cohold_studies::Error> {
     Network::of(text).map(Vec::into_boxed_slice)
 }
 

@@ -1,13 +1,13 @@
-//! `host-sim study sweep`: a scene over a grid or a sample of its keys, and over seeds.
+//! `cohold study sweep`: a scene over a grid or a sample of its keys, and over seeds.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use haptic_report::Provenance;
-use haptic_sim::run::Until;
-use haptic_sim::user::User;
-use haptic_studies::sweep;
-use haptic_studies::sweep::Plan;
+use cohold_report::Provenance;
+use cohold_sim::run::Until;
+use cohold_sim::user::User;
+use cohold_studies::sweep;
+use cohold_studies::sweep::Plan;
 use serde_json::json;
 
 use super::flags::{Out, Time};

@@ -15,12 +15,12 @@ use clap::Args;
 use serde::Serialize;
 use serde_json::Value;
 
-use haptic_io::{Kind, escaped};
-use haptic_live::devices::Adapter;
-use haptic_plot::{Print, write_file};
-use haptic_report::{Columns, Files, Provenance, word};
-use haptic_sim::Laws;
-use haptic_studies::{campaign::laws::page, proof::Prover, reproduce::Paper};
+use cohold_io::{Kind, escaped};
+use cohold_live::devices::Adapter;
+use cohold_plot::{Print, write_file};
+use cohold_report::{Columns, Files, Provenance, word};
+use cohold_sim::Laws;
+use cohold_studies::{campaign::laws::page, proof::Prover, reproduce::Paper};
 
 use super::columns::TableKind;
 use super::number::number;
@@ -208,10 +208,10 @@ impl Ui {
     }
 
     /// Draws a figure beside a page, as a PNG of this name, and says where.
-    pub(crate) fn beside(page: &std::path::Path, name: &str, figure: &haptic_plot::Figure) -> Result<PathBuf, Failure> {
+    pub(crate) fn beside(page: &std::path::Path, name: &str, figure: &cohold_plot::Figure) -> Result<PathBuf, Failure> {
         let path = page.with_file_name(name);
-        let painted = haptic_plot::paint(figure, Print::default(), "");
-        let painted = painted.map_err(haptic_plot::Error::write(&path, "a figure"))?;
+        let painted = cohold_plot::paint(figure, Print::default(), "");
+        let painted = painted.map_err(cohold_plot::Error::write(&path, "a figure"))?;
         for (_, bytes) in painted.into_iter().filter(|(ending, _)| *ending == "png") {
             write_file(&path, "PNG", &bytes, Kind::Named)?;
         }
@@ -221,13 +221,13 @@ impl Ui {
     /// Whether a page has these two lines.
     pub(crate) fn has(file: &std::path::Path, lines: [&str; 2]) -> Result<bool, Failure> {
         let refused = |cause| Failure::from(format!("--page {}: {cause}", file.display()));
-        Ok(page::between(&haptic_io::text(file, page::MOST).map_err(refused)?, lines).is_some())
+        Ok(page::between(&cohold_io::text(file, page::MOST).map_err(refused)?, lines).is_some())
     }
 
     /// Writes what is new of a page between two lines of it.
     pub(crate) fn rewrite(&self, file: &PathBuf, lines: [&str; 2], text: &str) -> Result<(), Failure> {
         let refused = |cause: Failure| Failure::from(format!("--page {}: {cause}", file.display()));
-        let old = haptic_io::text(file, page::MOST).map_err(|cause| refused(cause.into()))?;
+        let old = cohold_io::text(file, page::MOST).map_err(|cause| refused(cause.into()))?;
         let page = page::with(&old, lines, text).map_err(|cause| refused(cause.into()))?;
         write_file(file, "Markdown", page.as_bytes(), Kind::Named)?;
         self.wrote(std::slice::from_ref(file));
@@ -255,7 +255,7 @@ impl Ui {
         usual: &str,
         name: &str,
         provenance: &Provenance,
-        fill: impl FnOnce(&mut Files) -> Result<(), haptic_report::Error>,
+        fill: impl FnOnce(&mut Files) -> Result<(), cohold_report::Error>,
     ) -> Result<Vec<PathBuf>, Failure> {
         if !self.writes(out) {
             return Ok(Vec::new());
@@ -274,19 +274,19 @@ impl Ui {
 
     /// What is going on, on standard error.
     pub fn status(&self, text: impl fmt::Display) {
-        haptic_io::say(text);
+        cohold_io::say(text);
     }
 
     /// What the user should know although the work was done, on standard error.
     pub fn warn(&self, text: impl fmt::Display) {
-        haptic_io::say(format_args!("warning: {}", escaped(&text.to_string())));
+        cohold_io::say(format_args!("warning: {}", escaped(&text.to_string())));
     }
 
     /// Says so where this knows core's laws only and there are others.
     pub fn only_built_in(&self, what: &str) {
         let outside: Vec<&str> = self.laws.outside().collect();
         if !outside.is_empty() {
-            self.warn(format_args!("{what} the laws of haptic-core only, without {}", outside.join(", ")));
+            self.warn(format_args!("{what} the laws of cohold-core only, without {}", outside.join(", ")));
         }
     }
 
@@ -326,7 +326,7 @@ impl Ui {
 
 /// This program, from now on: what its files say of what made them.
 pub fn provenance() -> Provenance {
-    Provenance::now(env!("CARGO_PKG_VERSION"), option_env!("HOST_SIM_COMMIT").unwrap_or("unknown"))
+    Provenance::now(env!("CARGO_PKG_VERSION"), option_env!("COHOLD_COMMIT").unwrap_or("unknown"))
 }
 
 /// These fields, and after them those of a document.
@@ -343,14 +343,14 @@ pub(crate) fn pictures(files: Vec<PathBuf>) -> Vec<PathBuf> {
     files.into_iter().filter(is_picture).collect()
 }
 
-/// Prints on standard output; ends the program quietly where nobody reads on (`host-sim cooperate | head -3`).
+/// Prints on standard output; ends the program quietly where nobody reads on (`cohold cooperate | head -3`).
 fn print(text: fmt::Arguments<'_>) {
-    match haptic_io::out(text) {
+    match cohold_io::out(text) {
         Ok(()) => {}
         // What a shell sees of a program that the closed pipe ended.
         Err(cause) if cause.kind() == ErrorKind::BrokenPipe => std::process::exit(141),
         Err(cause) => {
-            haptic_io::say(format_args!("host-sim: cannot write to standard output: {cause}"));
+            cohold_io::say(format_args!("cohold: cannot write to standard output: {cause}"));
             std::process::exit(2);
         }
     }

@@ -1,13 +1,13 @@
 //! The program compiled for wider vectors, if it lies beside this one and the processor has them: what is downloaded is then as fast as what
 //! is compiled where it runs.
 //!
-//! Named as this one and its level, `host-sim-x86-64-v4`. Both compute the same bits. `HOST_SIM_VECTORS` names the widest level that is
+//! Named as this one and its level, `cohold-x86-64-v4`. Both compute the same bits. `COHOLD_VECTORS` names the widest level that is
 //! taken: `x86-64-v4`, `x86-64-v3`, or `compiled` for none. Why another program and no function of this one: docs/speed.md.
 
 use super::Failure;
 
 /// What names the widest level.
-const MOST: &str = "HOST_SIM_VECTORS";
+const MOST: &str = "COHOLD_VECTORS";
 /// That no wider program is taken.
 const COMPILED: &str = "compiled";
 

@@ -3,7 +3,7 @@
 //! A study declares its columns over a slice of its rows; name, digits and meaning stand in one place:
 //!
 //! ```
-//! use haptic_columns::Columns;
+//! use cohold_columns::Columns;
 //! struct Cell { comm: &'static str, stable: bool, true_discrepancy_mm: f64, mass_kg: Option<f64> }
 //! let cells = [Cell { comm: "power", stable: true, true_discrepancy_mm: 3.2407, mass_kg: None }];
 //! let columns = Columns::of(&cells)
@@ -29,7 +29,7 @@
 //! (`force_n.mean`, `energy.0.sent_j`), as pandas' `json_normalize` undoes it. In text the **heading** is the name in words, or
 //! what [`Rows::head`] says, and the unit; numbers have the digits asked for. JSON, CSV and Parquet keep every number exactly.
 //!
-//! Every column that is written to a file has a **meaning**: Parquet carries it beside the unit, and `host-sim recording columns` prints
+//! Every column that is written to a file has a **meaning**: Parquet carries it beside the unit, and `cohold recording columns` prints
 //! both from the same declarations, made over no rows.
 //!
 //! | cell | text | JSON | CSV | Parquet |
@@ -58,7 +58,7 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::fmt;
 
-use haptic_io::{escaped, significant};
+use cohold_io::{escaped, significant};
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 

@@ -50,7 +50,7 @@ pub struct Seen {
 
 /// An emulated device of any kind, while it serves; whoever drops it lets its place go.
 pub trait Emulated {
-    /// The words by which `host-sim` opens it.
+    /// The words by which `cohold` opens it.
     fn words(&self) -> Vec<String>;
 
     /// Plants the fault of this name, `none` to end one; when, s. None where it has no fault of that name.

@@ -1,7 +1,7 @@
 //! From what a role says to the seats of an engine.
 
-use haptic_protocol::wire::{MAX_DATAGRAM, Message, PeerId, SEAL_LEN};
-use haptic_sim::engine::Out;
+use cohold_protocol::wire::{MAX_DATAGRAM, Message, PeerId, SEAL_LEN};
+use cohold_sim::engine::Out;
 
 use crate::roles::Carried;
 

@@ -1,7 +1,7 @@
 //! Why a shared environment was not made, or ended.
 
-use haptic_core::settings::Refused;
-use haptic_protocol::link::ConfigError;
+use cohold_core::settings::Refused;
+use cohold_protocol::link::ConfigError;
 
 use crate::cooperative::MOST_USERS;
 use crate::roles::cooperative::OutOfRange;
@@ -38,19 +38,19 @@ pub enum Error {
     Link(#[from] ConfigError),
     /// A world that cannot be told apart from others.
     #[error(transparent)]
-    Wire(#[from] haptic_protocol::wire::Error),
+    Wire(#[from] cohold_protocol::wire::Error),
     /// A scene, a file or a value that is not allowed.
     #[error(transparent)]
-    Sim(#[from] haptic_sim::Error),
+    Sim(#[from] cohold_sim::Error),
     /// An analysis that could not be made.
     #[error(transparent)]
-    Analysis(#[from] haptic_analysis::Error),
+    Analysis(#[from] cohold_analysis::Error),
     /// An end in real time.
     #[error(transparent)]
-    Live(#[from] haptic_live::Error),
+    Live(#[from] cohold_live::Error),
     /// Anything else, in a sentence.
     #[error("{0}")]
     Refused(String),
 }
 
-haptic_sim::sentences_are_refusals!(Error);
+cohold_sim::sentences_are_refusals!(Error);

@@ -1,6 +1,6 @@
 //! See `src/page.rs`.
 #![no_main]
 
-use host_sim_fuzz::TARGETS;
+use cohold_fuzz::TARGETS;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| (TARGETS[0].1)(bytes));

@@ -1,4 +1,4 @@
-//! The fuzz targets of host-sim. `fuzz_targets/` hands them to libFuzzer (`cargo xtask fuzz`). The live page is no library: what its
+//! The fuzz targets of cohold. `fuzz_targets/` hands them to libFuzzer (`cargo xtask fuzz`). The live page is no library: what its
 //! target does stands in `page.rs`, is compiled with the page itself, and is public in a build for the fuzzer alone.
 //! `tests/inside/fuzz.rs` of the package runs it wherever tests run.
 
@@ -6,4 +6,4 @@
 pub type Target = (&'static str, fn(&[u8]));
 
 /// Every fuzz target, by name.
-pub const TARGETS: [Target; 1] = [("page", host_sim::page_hears)];
+pub const TARGETS: [Target; 1] = [("page", cohold::page_hears)];

@@ -15,9 +15,9 @@ use std::collections::VecDeque;
 use std::net::{Ipv4Addr, SocketAddrV4};
 use std::sync::OnceLock;
 
-use haptic_core::names::Choice as _;
-use haptic_core::settings::{Allowed, Key};
-use haptic_sim::{Laws, scene::Scene, scenes};
+use cohold_core::names::Choice as _;
+use cohold_core::settings::{Allowed, Key};
+use cohold_sim::{Laws, scene::Scene, scenes};
 use serde_json::Value;
 use tungstenite::Message;
 

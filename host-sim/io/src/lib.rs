@@ -1,7 +1,7 @@
 //! What comes from outside and goes there: files that users name, and what others said.
 //!
 //! Every package of a PC reads and writes files through [`read`], [`text`] and [`write()`], and prints through [`out`] and [`say`]:
-//! `one_way.rs` of host-sim's tests searches their sources for any other way.
+//! `one_way.rs` of cohold's tests searches their sources for any other way.
 #![forbid(unsafe_code)]
 
 mod files;

@@ -9,7 +9,7 @@
 
 use std::collections::VecDeque;
 
-use haptic_protocol::wire::Telemetry;
+use cohold_protocol::wire::Telemetry;
 
 use crate::recording::common_clock::Watched;
 

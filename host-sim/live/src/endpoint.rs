@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use std::{io::ErrorKind, sync::Arc};
 
-use haptic_sim::engine::{Actor, Out};
+use cohold_sim::engine::{Actor, Out};
 use serde::Serialize;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
@@ -52,7 +52,7 @@ impl Stop {
         for signal in [SIGINT, SIGTERM] {
             flag::register_conditional_shutdown(signal, 2, stop.0.clone())
                 .and_then(|_| flag::register(signal, stop.0.clone()))
-                .map_err(haptic_sim::Error::cannot("listen for", &"signals"))?;
+                .map_err(cohold_sim::Error::cannot("listen for", &"signals"))?;
         }
         Ok(stop)
     }
@@ -261,7 +261,7 @@ impl Endpoint {
     }
 
     fn open(socket: std::io::Result<UdpSocket>, listen: SocketAddr, answers: bool) -> Result<Self, Error> {
-        let failed = haptic_sim::Error::cannot::<std::io::Error>("listen on", &listen);
+        let failed = cohold_sim::Error::cannot::<std::io::Error>("listen on", &listen);
         let socket = socket.map_err(&failed)?;
         let waits = if answers { socket.set_read_timeout(Some(LOOK)) } else { socket.set_nonblocking(true) };
         waits.map_err(&failed)?;
@@ -297,7 +297,7 @@ impl Endpoint {
             )));
         }
         let (from, at) = (own.ip(), to.ip());
-        haptic_sim::refuse_if!(
+        cohold_sim::refuse_if!(
             own.port() == to.port()
                 && (from == at || from.is_unspecified() && (at.is_loopback() || at.is_unspecified())),
             "{to} is where this end listens itself: give it the address of the other"

@@ -5,13 +5,13 @@
 pub enum Error {
     /// A scene, a file or a value that is not allowed.
     #[error(transparent)]
-    Sim(#[from] haptic_sim::Error),
+    Sim(#[from] cohold_sim::Error),
     /// A board, or what was asked of it.
     #[error(transparent)]
-    Tools(#[from] haptic_board_tools::Error),
+    Tools(#[from] cohold_board_tools::Error),
     /// Anything else, in a sentence.
     #[error("{0}")]
     Refused(String),
 }
 
-haptic_sim::sentences_are_refusals!(Error);
+cohold_sim::sentences_are_refusals!(Error);

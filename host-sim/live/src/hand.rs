@@ -12,7 +12,7 @@
 use std::array::from_fn;
 use std::collections::VecDeque;
 
-use haptic_core::num::Motion;
+use cohold_core::num::Motion;
 
 /// Stiffness, N/m: 5 mm is 1 N.
 pub const STIFFNESS: f64 = 200.0;

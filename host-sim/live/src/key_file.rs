@@ -4,15 +4,15 @@
 //! before them. Whoever reads one says which it has to be, and the other is refused by name.
 //!
 //! **Reading** takes no more than [`LONGEST`] bytes of a regular file, and judges owner and mode of the file that was read, not of
-//! whatever its name means a moment later. **Writing** is all or nothing, and an existing file is never touched ([`haptic_io`]).
+//! whatever its name means a moment later. **Writing** is all or nothing, and an existing file is never touched ([`cohold_io`]).
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use haptic_io::{Kind, Most};
-use haptic_protocol::key::{Key, Role};
-use haptic_sim::Error;
+use cohold_io::{Kind, Most};
+use cohold_protocol::key::{Key, Role};
+use cohold_sim::Error;
 
 /// Longest key file, bytes: the digits, what they are for, and some space around them.
 pub const LONGEST: usize = 2 * Key::LEN + 64;
@@ -61,7 +61,7 @@ pub fn write(path: &Path, role: Role, key: &Key) -> Result<(), Error> {
 /// # Errors
 /// The file exists or cannot be written.
 pub fn write_secret(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    haptic_io::write(path, bytes, Kind::Secret).map_err(Error::cannot("make the key file", &path.display()))
+    cohold_io::write(path, bytes, Kind::Secret).map_err(Error::cannot("make the key file", &path.display()))
 }
 
 /// Reads the key file of a role.
@@ -71,17 +71,17 @@ pub fn write_secret(path: &Path, bytes: &[u8]) -> Result<(), Error> {
 pub fn read(path: &Path, role: Role) -> Result<Key, Error> {
     let place = path.display();
     let most = Most::new(LONGEST as u64, "a key file");
-    let (bytes, file) = haptic_io::read_with(path, most).map_err(Error::cannot("read the key file", &place))?;
+    let (bytes, file) = cohold_io::read_with(path, most).map_err(Error::cannot("read the key file", &place))?;
     let (is, key) = parse(&bytes).ok_or_else(|| {
-        format!("{place} is no key file: it must hold 64 hexadecimal digits, as `host-sim key generate` writes them")
+        format!("{place} is no key file: it must hold 64 hexadecimal digits, as `cohold key generate` writes them")
     })?;
     if is != role {
         let said = match role {
             Role::Peers => format!(
-                "{place} is an operator's key file, and one of peers is needed here: `host-sim key generate` makes them"
+                "{place} is an operator's key file, and one of peers is needed here: `cohold key generate` makes them"
             ),
             Role::Operator => format!(
-                "{place} is a key file of peers, and the operator's is needed here: `host-sim key generate --operator` makes them"
+                "{place} is a key file of peers, and the operator's is needed here: `cohold key generate --operator` makes them"
             ),
         };
         return Err(said.into());
@@ -125,7 +125,7 @@ fn own(path: &Path, file: &std::fs::Metadata) -> Result<(), Error> {
             "the key file {place} belongs to user {owner} and not to user {user}, who runs this: chown {user} {place}"
         )));
     }
-    haptic_sim::refuse_if!(
+    cohold_sim::refuse_if!(
         mode & 0o077 != 0,
         "the key file {place} (mode {mode:03o}) is open to others than its owner: chmod 600 {place}"
     );

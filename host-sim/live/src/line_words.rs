@@ -1,6 +1,6 @@
 //! What a person reads of a line before anybody pushes: which path it takes, what it can hold, and the code of a link.
 
-use haptic_sim::scene::Scene;
+use cohold_sim::scene::Scene;
 use serde_json::{Value, json};
 
 use crate::road::Way;

@@ -15,8 +15,8 @@ use std::net::{SocketAddr, UdpSocket};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use haptic_sim::network::clocks::{Clocks, Trip};
-use haptic_sim::network::rule::{Arrival, NetworkTrace};
+use cohold_sim::network::clocks::{Clocks, Trip};
+use cohold_sim::network::rule::{Arrival, NetworkTrace};
 use serde::Serialize;
 
 use super::Error;
@@ -65,7 +65,7 @@ impl Stamps {
 }
 
 fn bound(listen: SocketAddr) -> Result<UdpSocket, Error> {
-    let failed = haptic_sim::Error::cannot("listen on", &listen);
+    let failed = cohold_sim::Error::cannot("listen on", &listen);
     let socket = UdpSocket::bind(listen).map_err(&failed)?;
     socket.set_read_timeout(Some(LOOK)).map_err(&failed)?;
     Ok(socket)
@@ -91,7 +91,7 @@ pub fn listen(
     ready: impl FnOnce(SocketAddr),
 ) -> Result<Listened, Error> {
     let socket = bound(address)?;
-    ready(socket.local_addr().map_err(haptic_sim::Error::cannot("listen on", &address))?);
+    ready(socket.local_addr().map_err(cohold_sim::Error::cannot("listen on", &address))?);
     let (start, mut buffer) = (Instant::now(), [0; LEN + 1]);
     let now_ns = || start.elapsed().as_nanos() as u64;
     let mut listened = Listened::default();
@@ -155,12 +155,12 @@ pub fn probe(
     duration_s: f64,
     stop: &Stop,
 ) -> Result<Measured, Error> {
-    haptic_sim::refuse_if!(
+    cohold_sim::refuse_if!(
         1.0 / every_s > MOST_PER_S * (1.0 + 1e-9) || duration_s > MOST_S,
         "at most {MOST_PER_S} probes a second for {MOST_S} s are allowed"
     );
     let socket = bound(from.unwrap_or_else(|| any_towards(to)))?;
-    socket.connect(to).map_err(haptic_sim::Error::cannot("reach", &to))?;
+    socket.connect(to).map_err(cohold_sim::Error::cannot("reach", &to))?;
     let start = Instant::now();
     let now_ns = || start.elapsed().as_nanos() as u64;
     let over = Stop::default();

@@ -1,11 +1,11 @@
-//! One peer behind a sealed (encrypted) link: haptic-core's peer, its device and user, simulated or really there ([`Device`]), and the
+//! One peer behind a sealed (encrypted) link: cohold-core's peer, its device and user, simulated or really there ([`Device`]), and the
 //! link. The caller brings time and datagrams.
 //!
 //! Each control period: [`Node::receive`] for every datagram that came, then [`Node::tick`]. Real-time programs and
 //! trials in virtual time (floods of packets, restarts) use the same code.
 //!
 //! **Who fades what.** The link knows *who* is there: it reports when a session begins and ends, and a peer that is
-//! notified of an end disengages at once. The peer's own degradation (`haptic_core::law::degradation`) knows *how much*
+//! notified of an end disengages at once. The peer's own degradation (`cohold_core::law::degradation`) knows *how much*
 //! comes: it fades packets through silence and steps up again from no force.
 //!
 //! A node calls until it hears a flow message, then arms, disengaged. When both ends are live ([`crate::start`]) it runs the scene's user,
@@ -16,18 +16,18 @@
 
 use std::collections::VecDeque;
 
-use haptic_core::device::AXES;
-use haptic_core::law::ledger::Ledger;
-use haptic_core::num::Motion;
-use haptic_core::peer::{Actuators, Observed};
-use haptic_core::safety::{Command, Mode};
-use haptic_protocol::link::{Error, Link, Notice, Stage};
-use haptic_protocol::peer::{Inbox, flow_in, flow_of, open, packets_of};
-use haptic_protocol::wire::{Flows, Goodbye, Message, PeerId, Telemetry};
-use haptic_protocol::{ends::Ends, key::Key};
-use haptic_sim::device::{Device, Gone};
-use haptic_sim::peers::{Builds, DynPeer};
-use haptic_sim::{plant::Plant, scene::Scene};
+use cohold_core::device::AXES;
+use cohold_core::law::ledger::Ledger;
+use cohold_core::num::Motion;
+use cohold_core::peer::{Actuators, Observed};
+use cohold_core::safety::{Command, Mode};
+use cohold_protocol::link::{Error, Link, Notice, Stage};
+use cohold_protocol::peer::{Inbox, flow_in, flow_of, open, packets_of};
+use cohold_protocol::wire::{Flows, Goodbye, Message, PeerId, Telemetry};
+use cohold_protocol::{ends::Ends, key::Key};
+use cohold_sim::device::{Device, Gone};
+use cohold_sim::peers::{Builds, DynPeer};
+use cohold_sim::{plant::Plant, scene::Scene};
 
 use crate::start::Start;
 
@@ -98,7 +98,7 @@ impl<const SHARED: usize> Line<SHARED> {
         let peers = scene.peers();
         let [settings, other] = [number == 2, number != 2].map(|second| &peers[usize::from(second)]);
         let ends = Ends { local: PeerId(number), remote: PeerId(3 - number) };
-        let link = open(settings, key, ends, entropy).map_err(haptic_board_tools::Error::from)?;
+        let link = open(settings, key, ends, entropy).map_err(cohold_board_tools::Error::from)?;
         let bounds = scene.laws.bounds(other).beyond_a_junction();
         let inbox = Inbox::new(bounds, scene.world.network.playout_packets, settings.timing.ticks_per_packet);
         Ok(Self { link, inbox, heard: None, notices: VecDeque::new(), noticed: 0, lives: 0, start: Start::default() })
@@ -189,7 +189,7 @@ where
         device: Box<D>,
     ) -> Result<Self, crate::Error> {
         let peer = scene.laws.peer(&scene.peers()[usize::from(number == 2)], device.start());
-        let peer = peer.map_err(haptic_sim::Error::from)?;
+        let peer = peer.map_err(cohold_sim::Error::from)?;
         let (line, period_s) = (Line::open(scene, number, key, entropy)?, scene.peer.timing.control_period_s);
         let telemetry_s = TELEMETRY_S;
         Ok(Self {

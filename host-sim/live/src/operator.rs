@@ -3,13 +3,13 @@
 use std::time::{Duration, Instant};
 use std::{net::SocketAddr, path::Path};
 
-use haptic_board_tools::calibrate::board::{Board, Tick};
-use haptic_board_tools::operator::{Reins, Session, UNCONFIRMED, is_start};
-use haptic_protocol::key::Role;
-use haptic_protocol::lease::{AtOperator, Word};
-use haptic_protocol::lines::LONGEST;
-use haptic_protocol::wire::{MAX_DATAGRAM, Sample};
-use haptic_sim::engine::{Actor, Out};
+use cohold_board_tools::calibrate::board::{Board, Tick};
+use cohold_board_tools::operator::{Reins, Session, UNCONFIRMED, is_start};
+use cohold_protocol::key::Role;
+use cohold_protocol::lease::{AtOperator, Word};
+use cohold_protocol::lines::LONGEST;
+use cohold_protocol::wire::{MAX_DATAGRAM, Sample};
+use cohold_sim::engine::{Actor, Out};
 
 use super::addresses::any_towards;
 use super::endpoint::{Endpoint, Live, Stop, Ticker};
@@ -101,7 +101,7 @@ impl Operator {
         let mut called = [one?, two?];
         let answered = |session: &Session| session.is_there() || session.is_refused();
         wait(&endpoint, board, &mut called, PATIENCE, |called| called.iter().any(answered))?;
-        haptic_sim::refuse_if!(
+        cohold_sim::refuse_if!(
             called.iter().any(Session::is_refused),
             "the board at {board} takes other commands than this program: update one"
         );
@@ -162,13 +162,13 @@ impl Operator {
         }
         if line.len() > LONGEST {
             let allowed = format!("it must be at most {LONGEST}");
-            return Err(haptic_sim::Error::not_allowed(format!("a line of {} bytes", line.len()), allowed).into());
+            return Err(cohold_sim::Error::not_allowed(format!("a line of {} bytes", line.len()), allowed).into());
         }
         let said = match run {
             None => self.session.say(line),
             Some(run) => self.session.say_under(line, run),
         };
-        haptic_sim::refuse_if!(!said, "{} has not taken the line before", self.board);
+        cohold_sim::refuse_if!(!said, "{} has not taken the line before", self.board);
         let mut answer = None;
         self.wait(PATIENCE, |session| {
             answer = session.answer();
@@ -272,11 +272,11 @@ impl Drop for Operator {
 }
 
 impl Board for Operator {
-    fn ask(&mut self, line: &str) -> Result<String, haptic_board_tools::Error> {
+    fn ask(&mut self, line: &str) -> Result<String, cohold_board_tools::Error> {
         Ok(Self::ask(self, line).map_err(Box::from)?)
     }
 
-    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, haptic_board_tools::Error> {
+    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, cohold_board_tools::Error> {
         let samples = self.samples(Duration::from_secs_f64(seconds)).map_err(Box::from)?;
         Ok(samples.iter().filter_map(|sample| Tick::from_record(sample.payload())).collect())
     }

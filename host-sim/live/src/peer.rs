@@ -3,17 +3,17 @@
 
 use std::{net::SocketAddr, time::Duration};
 
-use haptic_core::safety::Mode;
-use haptic_protocol::key::Key;
-use haptic_protocol::link::Error;
-use haptic_protocol::wire::Telemetry;
-use haptic_sim::device::Device;
-use haptic_sim::engine::{Actor, Out};
-use haptic_sim::measure::port::{ObjectPort, PortEnergy};
-use haptic_sim::measure::{LastHalf, Statistics};
-use haptic_sim::peers::Builds;
-use haptic_sim::run::AXIS_NAMES;
-use haptic_sim::{of_axes, scene::Scene};
+use cohold_core::safety::Mode;
+use cohold_protocol::key::Key;
+use cohold_protocol::link::Error;
+use cohold_protocol::wire::Telemetry;
+use cohold_sim::device::Device;
+use cohold_sim::engine::{Actor, Out};
+use cohold_sim::measure::port::{ObjectPort, PortEnergy};
+use cohold_sim::measure::{LastHalf, Statistics};
+use cohold_sim::peers::Builds;
+use cohold_sim::run::AXIS_NAMES;
+use cohold_sim::{of_axes, scene::Scene};
 
 mod report;
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use haptic_protocol::link::Error;
+use cohold_protocol::link::Error;
 
 /// Between two lines about different things, µs.
 const EVERY_US: u64 = 5_000_000;

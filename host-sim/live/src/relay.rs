@@ -7,8 +7,8 @@
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
-use haptic_sim::engine::{Actor, Out};
-use haptic_sim::network::link::{Counts, Link, Route};
+use cohold_sim::engine::{Actor, Out};
+use cohold_sim::network::link::{Counts, Link, Route};
 use serde::Serialize;
 
 use super::batch::ReceivedBatch;

@@ -7,7 +7,7 @@ use std::fmt::Debug;
 use std::net::{SocketAddr, UdpSocket};
 use std::time::Instant;
 
-use haptic_protocol::key::Key;
+use cohold_protocol::key::Key;
 use serde::Serialize;
 
 use crate::Error;

@@ -8,10 +8,10 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use haptic_core::num::Motion;
-use haptic_core::peer::Observed;
-use haptic_core::safety::{Command, Mode};
-use haptic_sim::device::Device;
+use cohold_core::num::Motion;
+use cohold_core::peer::Observed;
+use cohold_core::safety::{Command, Mode};
+use cohold_sim::device::Device;
 
 use crate::devices::AXES;
 use crate::hand::Hand;

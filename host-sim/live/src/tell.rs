@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use crate::allowance::Allowance;
 use crate::road::{PathReport, Way};
-use haptic_protocol::link::Notice;
+use cohold_protocol::link::Notice;
 use serde::Serialize;
 use serde_json::json;
 
@@ -279,11 +279,11 @@ fn say(lines: &Receiver<Line>, manner: Manner) {
                 Line::Path { words, .. } => (true, path_words(&words)),
             };
             let shown = if about_the_network { limiter.shown(Instant::now(), words) } else { Some(words) };
-            shown.into_iter().for_each(haptic_io::say);
+            shown.into_iter().for_each(cohold_io::say);
             continue;
         }
         // Whoever does not read on is sent nothing more; the run goes on.
-        if haptic_io::out(format_args!("{}\n", json!(line))).is_err() {
+        if cohold_io::out(format_args!("{}\n", json!(line))).is_err() {
             return;
         }
     }

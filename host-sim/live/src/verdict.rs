@@ -17,8 +17,8 @@ use std::fmt;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-use haptic_core::safety::Mode;
-use haptic_sim::device::Device;
+use cohold_core::safety::Mode;
+use cohold_sim::device::Device;
 use serde::Serialize;
 
 use crate::devices::Seen;
@@ -116,7 +116,7 @@ impl Judging {
         std::thread::Builder::new()
             .name("judge".into())
             .spawn(work)
-            .map_err(haptic_sim::Error::cannot("start", &"the judge's thread"))?;
+            .map_err(cohold_sim::Error::cannot("start", &"the judge's thread"))?;
         Ok(Self::new(asks, answers, judge.unless, period_s))
     }
 

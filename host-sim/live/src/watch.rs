@@ -4,12 +4,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-use haptic_core::safety::Mode;
-use haptic_core::sample::OfPeer;
-use haptic_protocol::wire::Telemetry;
-use haptic_report::Provenance;
-use haptic_sim::device::Device;
-use haptic_sim::scene::Scene;
+use cohold_core::safety::Mode;
+use cohold_core::sample::OfPeer;
+use cohold_protocol::wire::Telemetry;
+use cohold_report::Provenance;
+use cohold_sim::device::Device;
+use cohold_sim::scene::Scene;
 use serde::Serialize;
 
 use super::devices::DeviceOptions;

@@ -32,10 +32,10 @@ mod trace;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use haptic_io::Kind;
+use cohold_io::Kind;
 
+pub use cohold_io::significant;
 pub use error::Error;
-pub use haptic_io::significant;
 pub use sheet::{Dash, PALETTE, Print};
 
 /// Columns of the table that a figure carries, by name and meaning.
@@ -240,7 +240,7 @@ pub fn draw(figure: &Figure, base: &Path) -> Result<Vec<PathBuf>, Error> {
 /// The file or its folder cannot be written, or what is there may not be written over.
 pub fn write_file(path: &Path, format: &'static str, bytes: &[u8], kind: Kind) -> Result<(), Error> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let written = std::fs::create_dir_all(folder).and_then(|()| haptic_io::write(path, bytes, kind));
+    let written = std::fs::create_dir_all(folder).and_then(|()| cohold_io::write(path, bytes, kind));
     written.map_err(Error::write(path, format))
 }
 

@@ -14,15 +14,15 @@
 //! law's own gains, as they are and moved by ports, and each of these with any one key that is a choice set otherwise, or with two of
 //! which one asks for the other. Limits of settings are not intervals: each scene has its own.
 
-use haptic_core::device::encoder::Counts;
-use haptic_core::device::kinematics::{AnyKinematics, Kinematics};
-use haptic_core::device::{AXES, Reading};
-use haptic_core::law::{AnyLaw, Law, LawInfo, Packet};
-use haptic_core::num::{Motion, Scalar as _, StateVector};
-use haptic_core::peer::{Actuators, Peer, Sensors};
-use haptic_core::safety::{Command, Mode};
-use haptic_core::schema::Schema;
-use haptic_core::settings::{Allowed, Settings, Value};
+use cohold_core::device::encoder::Counts;
+use cohold_core::device::kinematics::{AnyKinematics, Kinematics};
+use cohold_core::device::{AXES, Reading};
+use cohold_core::law::{AnyLaw, Law, LawInfo, Packet};
+use cohold_core::num::{Motion, Scalar as _, StateVector};
+use cohold_core::peer::{Actuators, Peer, Sensors};
+use cohold_core::safety::{Command, Mode};
+use cohold_core::schema::Schema;
+use cohold_core::settings::{Allowed, Settings, Value};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
@@ -305,7 +305,7 @@ fn armed<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<Numb
         last = graph::one_way(draw, TRIES, run, |(next, _)| next.mode() == Mode::Armed);
         match last {
             Some((next, _)) => peer = next,
-            None => peer.trip(haptic_core::safety::Fault::Diverged),
+            None => peer.trip(cohold_core::safety::Fault::Diverged),
         }
     }
     let (mut peer, Actuators { forces, .. }) = last?;

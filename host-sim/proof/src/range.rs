@@ -5,7 +5,7 @@
 //! operation itself, in the type that flies, gives at an end of its operands, to the bit. Only where an operation is not monotone
 //! (sine, cosine, a quotient by what may be 0) is the range taken wider. A zero stands for both of its signs.
 
-use haptic_core::num::Scalar;
+use cohold_core::num::Scalar;
 
 /// A floating-point type whose ranges these are.
 pub trait Float: Scalar<Counter = f64> {

@@ -5,7 +5,7 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::ops::{Add, Mul, Neg, Sub};
 
-use haptic_core::num::Scalar;
+use cohold_core::num::Scalar;
 
 use crate::graph::{self, Place};
 use crate::range::{Float, Op, Range};

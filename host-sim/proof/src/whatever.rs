@@ -1,10 +1,10 @@
 //! The law that says anything: each number it gives may be any, infinite or none, each time another. What is proved with it holds for
 //! every law there could be, whatever is in its state and whole numbers.
 
-use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet};
-use haptic_core::num::{Configured, Motion, Scalar};
-use haptic_core::object::{Port, Solve};
-use haptic_core::settings::{Refused, Settings};
+use cohold_core::law::{Coupled, Law, LawInfo, Observation, Packet};
+use cohold_core::num::{Configured, Motion, Scalar};
+use cohold_core::object::{Port, Solve};
+use cohold_core::settings::{Refused, Settings};
 
 use crate::unknown::{Number, Unknown};
 

@@ -9,7 +9,7 @@ out: a run takes some ten times as long as with a law in Rust.
 import math
 import sys
 
-import haptic_sim
+import cohold
 import numpy as np
 
 
@@ -45,13 +45,13 @@ STUDENT = {5: 2.776, 10: 2.262, 20: 2.093}
 
 
 def main(seeds: int = 10) -> None:
-    haptic_sim.add_law(Rest())
+    cohold.add_law(Rest())
     bursts = {"network.loss": [0.1], "network.loss_burst_packets": [1, 5, 20]}
     tables = {}
     for law, stiffness in GAINS.items():
         settings = {"coordination.comm": law, "coordination.stiffness_n_per_m": stiffness}
-        scene = haptic_sim.Scene("paper-5.2-power-16ms", settings)
-        tables[law] = haptic_sim.Sweep(scene, bursts, seeds=seeds, seconds=4.0).run()
+        scene = cohold.Scene("paper-5.2-power-16ms", settings)
+        tables[law] = cohold.Sweep(scene, bursts, seeds=seeds, seconds=4.0).run()
     print("true discrepancy, mm: mean, and difference from `power` over the same seeds with half of its 95 % interval\n")
     for burst in bursts["network.loss_burst_packets"]:
         first = None

@@ -10,11 +10,11 @@ import sys
 import time
 
 import gymnasium
-import haptic_sim.gym
+import cohold.gym
 import numpy as np
 
 CARRY = "haptic/Carry-v0"
-AT = {name: at for at, name in enumerate(haptic_sim.gym.OBSERVED)}
+AT = {name: at for at, name in enumerate(cohold.gym.OBSERVED)}
 
 
 def steering(observed: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ Draws a figure as wide as a page (180 mm), text as text. Needs matplotlib.
 
 import sys
 
-import haptic_sim
+import cohold
 import matplotlib
 
 matplotlib.use("Agg")
@@ -23,7 +23,7 @@ def main(file: str = "figure-8-9.pdf") -> None:
     plt.rcParams |= {"font.size": 8, "pdf.fonttype": 42, "svg.fonttype": "none"}
     figure, (place, apart) = plt.subplots(1, 2, figsize=(180 / 25.4, 70 / 25.4), layout="constrained")
     for comm, (colour, dash) in LINES.items():
-        run = haptic_sim.run(haptic_sim.Scene(f"paper-5.2-{comm}-16ms"), seconds=20.0)
+        run = cohold.run(cohold.Scene(f"paper-5.2-{comm}-16ms"), seconds=20.0)
         time_s, last = run.columns["time_s"], slice(14_000, 19_000)
         place.plot(time_s[last], 1e3 * run.columns["object_1_m"][last], color=colour, ls=dash, label=comm)
         place.plot(time_s[last], 1e3 * run.columns["object_2_m"][last], color=colour, ls=dash, alpha=0.5)

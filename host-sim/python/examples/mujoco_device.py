@@ -9,7 +9,7 @@ place and speed go in, a force comes out. Packets go from one to the other here,
 import random
 from collections import deque
 
-import haptic_sim
+import cohold
 import mujoco
 
 HANDLE = """
@@ -49,8 +49,8 @@ class Handle:
 
 
 def main() -> None:
-    scene = haptic_sim.Scene("any-network")
-    peers = [haptic_sim.Peer(scene, number) for number in (1, 2)]
+    scene = cohold.Scene("any-network")
+    peers = [cohold.Peer(scene, number) for number in (1, 2)]
     handles = [Handle(1.0), Handle(-1.0)]
     under_way: list[deque[tuple[int, tuple[float, ...]]]] = [deque(), deque()]
     lost = random.Random(1)

@@ -8,7 +8,7 @@ held back by nothing but a soft arm. The forces are computed here, tick by tick;
 
 from collections import deque
 
-import haptic_sim
+import cohold
 
 TARGET_M = 0.03
 SEES_LATE_TICKS = 150
@@ -30,11 +30,11 @@ class Reaching:
 
 
 def main() -> None:
-    scene = haptic_sim.Scene("any-network", {"network.loss": 0.1})
+    scene = cohold.Scene("any-network", {"network.loss": 0.1})
     for user in (1, 2):
         scene[f"user.{user}.push_n"] = 0.0
-    pair = haptic_sim.Pair(scene)
-    at = {name: place for place, name in enumerate(haptic_sim.Pair.COLUMNS)}
+    pair = cohold.Pair(scene)
+    at = {name: place for place, name in enumerate(cohold.Pair.COLUMNS)}
     person = Reaching(TARGET_M)
     row, before_m = pair.step(0.0, 0.0), 0.0
     while pair.time_s < 6.0:

@@ -1,6 +1,6 @@
 //! Columns of a table as NumPy arrays.
 
-use haptic_report::{Cell, Column, Columns, Holds, Values};
+use cohold_report::{Cell, Column, Columns, Holds, Values};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -1,12 +1,12 @@
-//! A device that is written in Python, for slow ones: asked 200 times a second at most, in a thread of its own ([`haptic_live::devices::slow`]).
+//! A device that is written in Python, for slow ones: asked 200 times a second at most, in a thread of its own ([`cohold_live::devices::slow`]).
 //!
 //! It has `read`, which gives where the hand is along each axis (m), or that and how fast it moves (m/s), and `write`, which takes as many
 //! forces (N). What it can do it says by its own attributes; what it does not say it is refused for as any other device.
 
 use std::time::Duration;
 
-use haptic_live::devices::slow::{Asked, Row, open};
-use haptic_live::devices::{AXES, Abilities, DeviceOptions, Port};
+use cohold_live::devices::slow::{Asked, Row, open};
+use cohold_live::devices::{AXES, Abilities, DeviceOptions, Port};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
@@ -65,7 +65,7 @@ impl PythonDevice {
     }
 
     /// Begins to ask it; what its own attributes leave open may have been told beside it.
-    pub(crate) fn open(&self, options: &DeviceOptions) -> Result<Box<dyn Port>, haptic_live::Error> {
+    pub(crate) fn open(&self, options: &DeviceOptions) -> Result<Box<dyn Port>, cohold_live::Error> {
         let gone = "the interpreter has ended";
         let object = Python::try_attach(|py| self.object.clone_ref(py)).ok_or(gone)?;
         let mut abilities = self.abilities.clone();

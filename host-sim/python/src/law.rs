@@ -6,11 +6,11 @@
 
 use std::sync::{LazyLock, PoisonError, RwLock};
 
-use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Sends};
-use haptic_core::num::{Configured, Motion, Scalar, StateVector};
-use haptic_core::object::{Port, Solve};
-use haptic_core::settings::{Allowed, Key, Refused, Settings, Value};
-use haptic_sim::{Family, Laws, Scene};
+use cohold_core::law::{Coupled, Law, LawInfo, Observation, Packet, Sends};
+use cohold_core::num::{Configured, Motion, Scalar, StateVector};
+use cohold_core::object::{Port, Solve};
+use cohold_core::settings::{Allowed, Key, Refused, Settings, Value};
+use cohold_sim::{Family, Laws, Scene};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -33,7 +33,7 @@ struct Written {
 }
 
 static WRITTEN: RwLock<Vec<Written>> = RwLock::new(Vec::new());
-static LAWS: LazyLock<RwLock<Laws>> = LazyLock::new(|| RwLock::new(haptic_guest_laws::laws()));
+static LAWS: LazyLock<RwLock<Laws>> = LazyLock::new(|| RwLock::new(cohold_guest_laws::laws()));
 
 /// The laws that a scene may name now.
 pub(crate) fn laws() -> Laws {

@@ -1,4 +1,4 @@
-//! host-sim as a Python module. Nothing is computed here: scenes, runs, verdicts and sweeps are those of the command line, to the
+//! cohold as a Python module. Nothing is computed here: scenes, runs, verdicts and sweeps are those of the command line, to the
 //! last bit.
 //!
 //! Whatever takes time runs detached from the interpreter, so that Python's other threads go on, and looks for Ctrl-C ([`work`]).

@@ -1,5 +1,5 @@
-//! A live peer that Python holds: the very one of `host-sim peer`, in a native thread of its own at the scene's rate, with no Python in its
-//! tick. Python reads and steers it at any rate ([`haptic_live::steering`]).
+//! A live peer that Python holds: the very one of `cohold peer`, in a native thread of its own at the scene's rate, with no Python in its
+//! tick. Python reads and steers it at any rate ([`cohold_live::steering`]).
 //!
 //! **Letting go.** Whatever ends the object ends the peer: `stop`, `close`, the end of a `with`, an exception in it, garbage collection, the end
 //! of the interpreter. Forces go to nothing and the partner is told. A process that is killed tells nobody: then the partner lets go by
@@ -12,13 +12,13 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
-use haptic_cli::live_peer;
-use haptic_live::devices::Kind;
-use haptic_live::endpoint::{Span, Stop};
-use haptic_live::peer::Report;
-use haptic_live::steering::{Snapshot, Steering};
-use haptic_live::tell::Manner;
-use haptic_live::watch::LiveOptions;
+use cohold_cli::live_peer;
+use cohold_live::devices::Kind;
+use cohold_live::endpoint::{Span, Stop};
+use cohold_live::peer::Report;
+use cohold_live::steering::{Snapshot, Steering};
+use cohold_live::tell::Manner;
+use cohold_live::watch::LiveOptions;
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
@@ -39,7 +39,7 @@ const LONGEST_S: f64 = 3.2e9;
 const FARTHEST_M: f64 = 10.0;
 
 /// What a live peer was at its newest tick. Along several shared axes each quantity is a tuple; places and forces are of the shared world.
-#[pyclass(module = "haptic_sim", frozen, get_all)]
+#[pyclass(module = "cohold_sim", frozen, get_all)]
 pub(crate) struct LiveState {
     /// Time since the peer began, s.
     time_s: f64,
@@ -78,7 +78,7 @@ impl LiveState {
     }
 }
 
-/// A peer in real time: `host-sim peer` in a native thread of its own, with no Python in its tick, read and steered from here at any rate.
+/// A peer in real time: `cohold peer` in a native thread of its own, with no Python in its tick, read and steered from here at any rate.
 ///
 /// `scene` is a Scene, the name of a built-in one, a file, or a dict of settings over the recommended scene; `number` 1 (left) or 2
 /// (right); `listen` and `connect` are where this end and the other one are, `key` is the key file that both have (`generate_key`).
@@ -87,7 +87,7 @@ impl LiveState {
 /// With `arm=False` it waits for `arm()`. What ends the object lets go.
 ///
 /// Raises ValueError for what is not allowed, and OSError for a file or an address that cannot be opened.
-#[pyclass(module = "haptic_sim", frozen, weakref)]
+#[pyclass(module = "cohold_sim", frozen, weakref)]
 pub(crate) struct LivePeer {
     held: Arc<Held>,
     number: u8,
@@ -198,7 +198,7 @@ impl LivePeer {
         }
         let scene = scene.checked()?.clone();
         let law = scene.law().name;
-        let known = haptic_guest_laws::laws().all();
+        let known = cohold_guest_laws::laws().all();
         if known.iter().all(|known| known.name != law) {
             let must = "a law in Python would be asked in the middle of a tick, which waits for nobody";
             return Err(refused(format!("coordination.comm = \"{law}\" is not allowed in a live peer: {must}")));
@@ -206,7 +206,7 @@ impl LivePeer {
         let axes = scene.peer.axis.shared as usize;
         let ends = [address("listen", listen)?, address("connect", connect)?];
         let key = live_peer::LivePeer::key(&key).map_err(|cause| match cause {
-            haptic_sim::Error::Io(..) => PyOSError::new_err(cause.to_string()),
+            cohold_sim::Error::Io(..) => PyOSError::new_err(cause.to_string()),
             _ => refused(cause),
         })?;
         let span = Span { duration_s: seconds.unwrap_or(f64::INFINITY), patience_s };
@@ -214,7 +214,7 @@ impl LivePeer {
         let peer = live_peer::LivePeer { scene, number, key, ends, span, anyway };
         let (steering, stop) = (Arc::new(Steering::new(arm)), Stop::default());
         let wanted = LiveOptions {
-            record: record.map(|file| (file, peer.provenance(haptic_cli::provenance()))),
+            record: record.map(|file| (file, peer.provenance(cohold_cli::provenance()))),
             manner: Manner::Quiet,
             device,
             steering: Some(steering.clone()),
@@ -244,7 +244,7 @@ impl LivePeer {
     #[getter]
     fn state(&self, py: Python<'_>) -> PyResult<LiveState> {
         let seen = self.snapshot(py);
-        let along = |of: fn(&haptic_core::peer::Observed<f64>) -> f64| {
+        let along = |of: fn(&cohold_core::peer::Observed<f64>) -> f64| {
             let mut numbers = [0.0; MOST_AXES];
             numbers.iter_mut().zip(&seen.axes).for_each(|(to, axis)| *to = of(axis));
             self.along(py, numbers)
@@ -266,7 +266,7 @@ impl LivePeer {
         })
     }
 
-    /// What its newest whole second was, and what was measured of the line in it: as `host-sim peer --json-lines` says it; None before.
+    /// What its newest whole second was, and what was measured of the line in it: as `cohold peer --json-lines` says it; None before.
     #[getter]
     fn second(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
         let second = self.snapshot(py).second;
@@ -286,7 +286,7 @@ impl LivePeer {
         self.held.process == std::process::id() && py.detach(|| self.held.outcome(false).is_none())
     }
 
-    /// What `host-sim peer --json` reports at the end; None while it runs. Raises RuntimeError if the run failed.
+    /// What `cohold peer --json` reports at the end; None while it runs. Raises RuntimeError if the run failed.
     #[getter]
     fn report(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
         self.told(py)
@@ -423,7 +423,7 @@ impl Drop for LivePeer {
 pub(crate) fn generate_key(py: Python<'_>, file: PathBuf) -> PyResult<()> {
     let made = py.detach(|| live_peer::LivePeer::generate_key(&file));
     made.map_err(|cause| match cause {
-        haptic_sim::Error::Io(..) => PyOSError::new_err(cause.to_string()),
+        cohold_sim::Error::Io(..) => PyOSError::new_err(cause.to_string()),
         _ => refused(cause),
     })
 }

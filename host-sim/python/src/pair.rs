@@ -3,13 +3,13 @@
 use std::array::from_fn;
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
-use haptic_core::num::Fixed;
-use haptic_core::sample::{OfAxis, Reach, SAMPLE};
-use haptic_core::settings::Refused;
-use haptic_report::numbered;
-use haptic_sim::pair::HASH_SEED;
-use haptic_sim::peers::Builds;
-use haptic_sim::{Plant, of_axes, pair};
+use cohold_core::num::Fixed;
+use cohold_core::sample::{OfAxis, Reach, SAMPLE};
+use cohold_core::settings::Refused;
+use cohold_report::numbered;
+use cohold_sim::pair::HASH_SEED;
+use cohold_sim::peers::Builds;
+use cohold_sim::{Plant, of_axes, pair};
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -86,13 +86,13 @@ impl<S: Builds<SHARED, N>, const SHARED: usize, const N: usize> Steps for pair::
 }
 
 fn built<S: Builds<SHARED, N>, const SHARED: usize, const N: usize>(
-    scene: &haptic_sim::Scene,
+    scene: &cohold_sim::Scene,
 ) -> Result<Box<dyn Steps>, Refused<'static>> {
     Ok(Box::new(pair::Pair::<S, Plant<N>, SHARED, N>::build(scene)?))
 }
 
 /// Both peers of this scene, armed and at rest, in this number type.
-pub(crate) fn of_scene(scene: &haptic_sim::Scene, scalar: &str) -> PyResult<Box<dyn Steps>> {
+pub(crate) fn of_scene(scene: &cohold_sim::Scene, scalar: &str) -> PyResult<Box<dyn Steps>> {
     let pair = match scalar {
         "f32" => of_axes!(scene, built::<f32>(scene)),
         "f64" => of_axes!(scene, built::<f64>(scene)),
@@ -109,7 +109,7 @@ type Shared = Arc<Mutex<Box<dyn Steps>>>;
 /// Forces are N toward the other peer, from -1000 to 1000: of each user a number, or, along several shared axes, as many (user 2's point
 /// the opposite way along every axis). What a step gives is the 12 numbers that `COLUMNS` names, after the tick; along several axes a row
 /// of them for each. One thread at a time may step it.
-#[pyclass(module = "haptic_sim", name = "Pair")]
+#[pyclass(module = "cohold_sim", name = "Pair")]
 pub(crate) struct Pair {
     pair: Shared,
     /// Axes along which the object is shared, and numbers that are seen of each.

@@ -7,9 +7,9 @@
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-use haptic_core::sample::{Reach, SAMPLE};
-use haptic_report::numbered;
-use haptic_sim::pair::HASH_SEED;
+use cohold_core::sample::{Reach, SAMPLE};
+use cohold_report::numbered;
+use cohold_sim::pair::HASH_SEED;
 use numpy::{PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -35,9 +35,9 @@ type Own = Box<dyn Steps>;
 /// begins anew when it is told to.
 ///
 /// What is seen of a pair is the 22 numbers that `COLUMNS` names; along several axes a row of them for each. One thread at a time may step them.
-#[pyclass(module = "haptic_sim", name = "Pairs")]
+#[pyclass(module = "cohold_sim", name = "Pairs")]
 pub(crate) struct Pairs {
-    scene: haptic_sim::Scene,
+    scene: cohold_sim::Scene,
     scalar: String,
     /// Nobody waits for the lock: who has the whole has what is in it.
     pairs: Mutex<Vec<Own>>,

@@ -1,14 +1,14 @@
 //! One peer alone: where its hand is and what the other peer sent come from Python, which has devices, hands and network of its own.
 
-use haptic_core::device::Reading;
-use haptic_core::law::Packet;
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::peer::Sensors;
-use haptic_core::safety::{Command, Mode};
-use haptic_core::settings::Refused;
-use haptic_sim::of_axes;
-use haptic_sim::pair::HASH_SEED;
-use haptic_sim::peers::{Builds, DynPeer};
+use cohold_core::device::Reading;
+use cohold_core::law::Packet;
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::peer::Sensors;
+use cohold_core::safety::{Command, Mode};
+use cohold_core::settings::Refused;
+use cohold_sim::of_axes;
+use cohold_sim::pair::HASH_SEED;
+use cohold_sim::peers::{Builds, DynPeer};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
@@ -97,7 +97,7 @@ impl<S: Builds<SHARED, N>, const SHARED: usize, const N: usize> Steps for Box<dy
 }
 
 fn built<S: Builds<SHARED, N>, const SHARED: usize, const N: usize>(
-    scene: &haptic_sim::Scene,
+    scene: &cohold_sim::Scene,
     at: usize,
 ) -> Result<Box<dyn Steps>, Refused<'static>> {
     let mut peer = scene.peer::<S, SHARED, N>(at)?;
@@ -110,7 +110,7 @@ fn built<S: Builds<SHARED, N>, const SHARED: usize, const N: usize>(
 /// Places and forces are of the shared world, in which x points from peer 1 to peer 2; along several shared axes each is a sequence. The
 /// scene's device, users and network are not simulated; its verdict (`stability`) is about them all the same. A peer is a value:
 /// `copy.copy(peer)` is a saved state that goes on by itself.
-#[pyclass(module = "haptic_sim", name = "Peer")]
+#[pyclass(module = "cohold_sim", name = "Peer")]
 pub(crate) struct Peer {
     peer: Box<dyn Steps>,
     /// As it was when it was made.
@@ -170,7 +170,7 @@ impl Peer {
             let peer = match scalar.as_str() {
                 "f32" => of_axes!(scene, built::<f32>(scene, at)),
                 "f64" => of_axes!(scene, built::<f64>(scene, at)),
-                "i32f32" => of_axes!(scene, built::<haptic_core::num::Fixed>(scene, at)),
+                "i32f32" => of_axes!(scene, built::<cohold_core::num::Fixed>(scene, at)),
                 other => return Err(unknown_scalar(other)),
             }
             .map_err(refused)?;

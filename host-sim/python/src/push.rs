@@ -1,6 +1,6 @@
 //! What the users of a pair push with, as Python gives it: of each user a number in a tick, or as many as there are shared axes.
 
-use haptic_sim::run::AXIS_NAMES;
+use cohold_sim::run::AXIS_NAMES;
 use numpy::ndarray::{Axis, Ix3};
 use numpy::{PyArrayDyn, PyArrayMethods as _, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyMemoryError;

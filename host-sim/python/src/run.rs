@@ -1,9 +1,9 @@
-//! A run: what `host-sim cooperate` does.
+//! A run: what `cohold cooperate` does.
 
-use haptic_analysis::{Conclusion, conclude};
-use haptic_core::num::Fixed;
-use haptic_sim::run::{Options, Outcome, Verdict, run_while};
-use haptic_studies::sweep::METRICS;
+use cohold_analysis::{Conclusion, conclude};
+use cohold_core::num::Fixed;
+use cohold_sim::run::{Options, Outcome, Verdict, run_while};
+use cohold_studies::sweep::METRICS;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -22,7 +22,7 @@ pub(crate) fn unknown_scalar(name: &str) -> PyErr {
 }
 
 /// A run has a tick at least, and an end.
-pub(crate) fn check_seconds(seconds: f64, scene: &haptic_sim::Scene) -> PyResult<()> {
+pub(crate) fn check_seconds(seconds: f64, scene: &cohold_sim::Scene) -> PyResult<()> {
     let period_s = scene.peer.timing.control_period_s;
     if seconds >= period_s && seconds <= LONGEST_S {
         return Ok(());
@@ -39,8 +39,8 @@ pub(crate) fn html(title: &str, rows: &[(String, String)]) -> String {
     format!("<table><caption>{title}</caption>{rows}</table>")
 }
 
-/// What a run gave, as `host-sim cooperate` tells it.
-#[pyclass(module = "haptic_sim", frozen, get_all)]
+/// What a run gave, as `cohold cooperate` tells it.
+#[pyclass(module = "cohold_sim", frozen, get_all)]
 pub(crate) struct Run {
     /// Every recorded column by name (the unit is its end), a row a recorded tick: what stands in the command's CSV.
     columns: Py<PyDict>,

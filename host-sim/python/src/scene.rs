@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf, absolute};
 
-use haptic_core::settings::{Allowed, Value};
-use haptic_sim::{Laws, scenes as built_in};
+use cohold_core::settings::{Allowed, Value};
+use cohold_sim::{Laws, scenes as built_in};
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::{PyKeyError, PyOSError, PyTypeError};
 use pyo3::prelude::*;
@@ -18,15 +18,15 @@ use crate::work::{here, refused};
 /// `pathlib.Path` a file. Settings are then applied in their order. Keys, units and ranges are those of scene files (`keys()`).
 ///
 /// Raises ValueError with the line that the command line prints, and OSError for a file that cannot be read.
-#[pyclass(module = "haptic_sim")]
+#[pyclass(module = "cohold_sim")]
 #[derive(Clone)]
 pub(crate) struct Scene {
-    pub(crate) scene: haptic_sim::Scene,
+    pub(crate) scene: cohold_sim::Scene,
 }
 
 impl Scene {
     /// The scene, its combinations checked: what a run, a sweep or a verdict begins with.
-    pub(crate) fn checked(&self) -> PyResult<&haptic_sim::Scene> {
+    pub(crate) fn checked(&self) -> PyResult<&cohold_sim::Scene> {
         self.scene.check("scene").map_err(refused)?;
         Ok(&self.scene)
     }
@@ -50,9 +50,9 @@ impl Scene {
 /// names none of them.
 fn with_laws(
     py: Python<'_>,
-    find: impl Fn(Laws) -> Result<haptic_sim::Scene, haptic_sim::Error> + Send + 'static,
-) -> PyResult<haptic_sim::Scene> {
-    here(py, move |_| find(haptic_guest_laws::laws()).or_else(|_| find(laws())).map_err(refused))
+    find: impl Fn(Laws) -> Result<cohold_sim::Scene, cohold_sim::Error> + Send + 'static,
+) -> PyResult<cohold_sim::Scene> {
+    here(py, move |_| find(cohold_guest_laws::laws()).or_else(|_| find(laws())).map_err(refused))
 }
 
 /// A value that a key may take, or a sweep give it.
@@ -79,7 +79,7 @@ fn to_python(py: Python<'_>, value: Value<'_>) -> PyResult<Py<PyAny>> {
 }
 
 /// The scene that a `Scene`, a name or a path stands for.
-pub(crate) fn meant(source: &Bound<'_, PyAny>) -> PyResult<haptic_sim::Scene> {
+pub(crate) fn meant(source: &Bound<'_, PyAny>) -> PyResult<cohold_sim::Scene> {
     let py = source.py();
     if let Ok(scene) = source.cast::<Scene>() {
         let scene = scene.borrow().clone();
@@ -89,12 +89,12 @@ pub(crate) fn meant(source: &Bound<'_, PyAny>) -> PyResult<haptic_sim::Scene> {
     let is_word = source.is_instance_of::<PyString>() && built_in::meant(Some(&path)).map_err(refused)?.is_some();
     if !is_word {
         // As Python itself says it.
-        haptic_io::open(&path).map_err(|cause| {
+        cohold_io::open(&path).map_err(|cause| {
             let said = cause.to_string();
             let said = said.split(" (os error").next().unwrap_or_default().to_owned();
             PyOSError::new_err((cause.raw_os_error(), said, path.display().to_string()))
         })?;
-        return with_laws(py, move |laws| haptic_sim::Scene::load(laws, Some(&path), &[]));
+        return with_laws(py, move |laws| cohold_sim::Scene::load(laws, Some(&path), &[]));
     }
     with_laws(py, move |laws| built_in::find(laws, Some(&path), &[]))
 }
@@ -104,8 +104,8 @@ impl Scene {
     #[new]
     #[pyo3(signature = (source = None, settings = None))]
     fn new(source: Option<&Bound<'_, PyAny>>, settings: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        let usual = haptic_guest_laws::laws();
-        let scene = source.map_or_else(|| Ok(haptic_sim::Scene::new(usual)), meant)?;
+        let usual = cohold_guest_laws::laws();
+        let scene = source.map_or_else(|| Ok(cohold_sim::Scene::new(usual)), meant)?;
         let mut scene = Self { scene };
         for (key, value) in settings.into_iter().flatten() {
             scene.put(&key.extract::<String>()?, &value)?;
@@ -117,7 +117,7 @@ impl Scene {
     #[staticmethod]
     fn from_toml(py: Python<'_>, text: String) -> PyResult<Self> {
         let scene = with_laws(py, move |laws| {
-            let mut scene = haptic_sim::Scene::new(laws);
+            let mut scene = cohold_sim::Scene::new(laws);
             scene.apply(&text, "text", None)?;
             scene.check("text").map(|()| scene)
         })?;
@@ -126,7 +126,7 @@ impl Scene {
 
     /// What differs from the default scene, as the text of a scene file. Traces are named by their whole path.
     pub(crate) fn to_toml(&self) -> String {
-        let usual = haptic_sim::Scene::new(self.scene.laws).settings();
+        let usual = cohold_sim::Scene::new(self.scene.laws).settings();
         let is_file = |key: &str| key.ends_with(".trace");
         let changed =
             self.scene.settings().into_iter().filter(|setting| !is_file(&setting.0) && !usual.contains(setting));
@@ -179,7 +179,7 @@ pub(crate) fn scenes() -> Vec<&'static str> {
 /// Every key of a scene: its default, what it accepts, its unit and its meaning.
 #[pyfunction]
 pub(crate) fn keys(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-    let usual = haptic_sim::Scene::new(laws());
+    let usual = cohold_sim::Scene::new(laws());
     let all = PyDict::new(py);
     for (name, key) in usual.keys() {
         let about = PyDict::new(py);

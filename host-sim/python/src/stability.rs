@@ -1,6 +1,6 @@
-//! Stability, as `host-sim stability` computes it from the code that flies.
+//! Stability, as `cohold stability` computes it from the code that flies.
 
-use haptic_analysis::{Effort, Range};
+use cohold_analysis::{Effort, Range};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -9,7 +9,7 @@ use crate::scene::Scene;
 use crate::work::{here, refused};
 
 /// The verdict on a scene in every mode that it can enter.
-#[pyclass(module = "haptic_sim", frozen, get_all)]
+#[pyclass(module = "cohold_sim", frozen, get_all)]
 pub(crate) struct Stability {
     /// Every mode is stable.
     stable: bool,
@@ -55,7 +55,7 @@ impl Stability {
 #[pyfunction]
 pub(crate) fn stability(py: Python<'_>, scene: &Scene) -> PyResult<Stability> {
     let scene = scene.clone();
-    let judged = here(py, move |_| haptic_analysis::judge(scene.checked()?).map_err(refused))?;
+    let judged = here(py, move |_| cohold_analysis::judge(scene.checked()?).map_err(refused))?;
     let modes = PyDict::new(py);
     for mode in &judged.modes {
         modes.set_item(mode.name(), mode.verdict.spectral_radius)?;
@@ -72,7 +72,7 @@ pub(crate) fn stability(py: Python<'_>, scene: &Scene) -> PyResult<Stability> {
 #[pyfunction]
 pub(crate) fn advice(py: Python<'_>, scene: &Scene) -> PyResult<String> {
     let scene = scene.clone();
-    here(py, move |_| haptic_analysis::advice(scene.checked()?).map_err(refused))
+    here(py, move |_| cohold_analysis::advice(scene.checked()?).map_err(refused))
 }
 
 /// The values of a key between two ends at which the scene becomes stable or unstable, every mode considered.
@@ -81,7 +81,7 @@ pub(crate) fn limit(py: Python<'_>, scene: &Scene, key: &str, first: f64, last: 
     let (scene, range) = (scene.clone(), Range { key: key.to_owned(), from: first, to: last });
     here(py, move |_| {
         let effort = Effort { hands: None, ..Effort::default() };
-        let found = haptic_analysis::limit(scene.checked()?, range, effort).map_err(refused)?;
+        let found = cohold_analysis::limit(scene.checked()?, range, effort).map_err(refused)?;
         Ok(found.crossings)
     })
 }

@@ -1,21 +1,21 @@
-//! A study: the entrants, networks, rows, answers and figures of `host-sim study`.
+//! A study: the entrants, networks, rows, answers and figures of `cohold study`.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use haptic_cli::provenance;
-use haptic_core::names::Choice;
-use haptic_plot::Print;
-use haptic_report::{Files, Provenance};
-use haptic_sim::Laws;
-use haptic_studies::entrant::Entrant;
-use haptic_studies::networks::{Network, OWN};
-use haptic_studies::study;
-use haptic_studies::study::answers::{Answer, Goal, metric};
-use haptic_studies::study::halving::{LeftOut, Search};
-use haptic_studies::sweep;
-use haptic_studies::sweep::{Keep, METRICS, Plan, Row};
+use cohold_cli::provenance;
+use cohold_core::names::Choice;
+use cohold_plot::Print;
+use cohold_report::{Files, Provenance};
+use cohold_sim::Laws;
+use cohold_studies::entrant::Entrant;
+use cohold_studies::networks::{Network, OWN};
+use cohold_studies::study;
+use cohold_studies::study::answers::{Answer, Goal, metric};
+use cohold_studies::study::halving::{LeftOut, Search};
+use cohold_studies::sweep;
+use cohold_studies::sweep::{Keep, METRICS, Plan, Row};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
@@ -26,7 +26,7 @@ use crate::scene::meant;
 use crate::sweep::{Grid, failed, kept, rows_of, written};
 use crate::work::{Progress, here, on_threads, refused};
 
-/// Scenes or laws over keys, networks and seeds: which is best where, under which bounds, and how sure that is; the question of `host-sim
+/// Scenes or laws over keys, networks and seeds: which is best where, under which bounds, and how sure that is; the question of `cohold
 /// study`.
 ///
 /// `entrants` are texts as the command line takes them ("wave", "any-network,object.mass_kg=0.1", a law at its own gains or a scene), or
@@ -35,7 +35,7 @@ use crate::work::{Progress, here, on_threads, refused};
 /// the other half says how good it is.
 ///
 /// Raises ValueError for what there is not, and for a value or a combination that is not allowed at any point.
-#[pyclass(module = "haptic_sim", frozen)]
+#[pyclass(module = "cohold_sim", frozen)]
 pub(crate) struct Study {
     study: Arc<study::Study>,
 }
@@ -44,7 +44,7 @@ pub(crate) struct Study {
 fn entrant(py: Python<'_>, text: String) -> PyResult<Entrant> {
     here(py, move |_| {
         let of = |laws: Laws| Entrant::of(laws, &text, None, &[], None);
-        of(haptic_guest_laws::laws()).or_else(|_| of(laws())).map_err(refused)
+        of(cohold_guest_laws::laws()).or_else(|_| of(laws())).map_err(refused)
     })
 }
 
@@ -144,7 +144,7 @@ impl Study {
     /// Runs everything on so many threads (0: as many as there are cores); or with `search="halving"` only what decides which points have the least
     /// of `best` under the bounds `at_most`, which is then what may be asked of the findings.
     ///
-    /// With a folder it is kept there as `host-sim study --out` keeps it: what is there already is not run again, and in the end
+    /// With a folder it is kept there as `cohold study --out` keeps it: what is there already is not run again, and in the end
     /// `study.csv` and `study.parquet` stand there. Raises OSError where that is another study's folder, or cannot be written.
     /// `progress` is told now and then how many runs are done, and of how many; a search may need fewer.
     #[pyo3(signature = (
@@ -209,7 +209,7 @@ impl Study {
 }
 
 /// What a study found.
-#[pyclass(module = "haptic_sim", frozen)]
+#[pyclass(module = "cohold_sim", frozen)]
 pub(crate) struct Findings {
     study: Arc<study::Study>,
     question: Provenance,

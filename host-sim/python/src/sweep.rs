@@ -1,15 +1,15 @@
-//! A sweep: the points, seeds, rows and folders of `host-sim study sweep`.
+//! A sweep: the points, seeds, rows and folders of `cohold study sweep`.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use haptic_cli::provenance;
-use haptic_core::names::Choice;
-use haptic_report::Provenance;
-use haptic_studies::sweep;
-use haptic_studies::sweep::{Axis, Design, Plan, Row, Sample, Spread, Todo};
+use cohold_cli::provenance;
+use cohold_core::names::Choice;
+use cohold_report::Provenance;
+use cohold_studies::sweep;
+use cohold_studies::sweep::{Axis, Design, Plan, Row, Sample, Spread, Todo};
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyString, PyTuple};
@@ -19,14 +19,14 @@ use crate::run::check_seconds;
 use crate::scene::{Scene, meant, to_toml};
 use crate::work::{Progress, here, on_threads, refused};
 
-/// A scene over its keys and over seeds, the question that `host-sim study sweep` asks.
+/// A scene over its keys and over seeds, the question that `cohold study sweep` asks.
 ///
 /// `over` is a grid: for each key its values, as a sequence or as the command line writes them ("200..20000:20:log", "0,0.1,0.3").
 /// `sample` is drawn, `points` of it at each point of the grid, evenly by `design` ("sobol" or "latin-hypercube"): for each key a range
 /// ("0..0.3", "0.02..1:log", "1..9:whole") or values. Every point is run for `seconds` in f64 with the same `seeds`.
 ///
 /// Raises ValueError for a key that there is not, and for a value or a combination that is not allowed at any point.
-#[pyclass(module = "haptic_sim", frozen)]
+#[pyclass(module = "cohold_sim", frozen)]
 pub(crate) struct Sweep {
     sweep: Arc<sweep::Sweep>,
     /// As they are written on the command line.
@@ -97,7 +97,7 @@ pub(crate) fn kept<P: Plan + Send + 'static, T: Send + 'static>(
     threads: usize,
     journal: Option<Arc<sweep::Journal>>,
     tell: Option<Py<PyAny>>,
-    work: impl FnOnce(&P, sweep::Keep<'_>) -> Result<T, haptic_studies::Error> + Send + 'static,
+    work: impl FnOnce(&P, sweep::Keep<'_>) -> Result<T, cohold_studies::Error> + Send + 'static,
 ) -> PyResult<T> {
     let plan = plan.clone();
     let progress = Progress::new(tell, most);
@@ -137,7 +137,7 @@ impl Grid {
         if !(1..=100_000).contains(&seeds) {
             return Err(refused(format!("seeds = {seeds} is not allowed: it must be a whole number from 1 to 100000")));
         }
-        let wrong = |text: &str, cause: haptic_studies::Error| refused(format!("{text}: {cause}"));
+        let wrong = |text: &str, cause: cohold_studies::Error| refused(format!("{text}: {cause}"));
         let axes = over.iter().map(|text| text.parse::<Axis>().map_err(|cause| wrong(text, cause)));
         let axes = axes.collect::<PyResult<Vec<_>>>()?;
         let spreads = sample.iter().map(|text| text.parse::<Spread>().map_err(|cause| wrong(text, cause)));
@@ -224,7 +224,7 @@ impl Sweep {
 
     /// Runs everything on so many threads (0: as many as there are cores) and gives the table by column, a row a run.
     ///
-    /// With a folder it is kept there as `host-sim study sweep --out` keeps it: what is there already is not run again, and in the end
+    /// With a folder it is kept there as `cohold study sweep --out` keeps it: what is there already is not run again, and in the end
     /// `sweep.csv` and `sweep.parquet` stand there. Raises OSError where that is another sweep's folder, or cannot be written.
     /// `progress` is told now and then how many runs are done, and of how many.
     #[pyo3(signature = (folder = None, threads = 0, progress = None))]
@@ -296,7 +296,7 @@ impl Sweep {
 }
 
 /// A folder of a sweep that is being filled; nobody else fills it until `close`, or the end of its `with`.
-#[pyclass(module = "haptic_sim")]
+#[pyclass(module = "cohold_sim")]
 pub(crate) struct Journal {
     sweep: Arc<sweep::Sweep>,
     question: Provenance,

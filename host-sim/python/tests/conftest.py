@@ -7,14 +7,14 @@ import subprocess
 import pytest
 
 
-def host_sim(*arguments: object, fails: bool = False) -> dict:
-    """What `host-sim … --json` says, be it good (exit status 0) or not (1), or, of one that cannot be done (2), its line."""
-    command = [os.environ["HOST_SIM"], *map(str, arguments), "--json"]
+def cohold(*arguments: object, fails: bool = False) -> dict:
+    """What `cohold … --json` says, be it good (exit status 0) or not (1), or, of one that cannot be done (2), its line."""
+    command = [os.environ["COHOLD"], *map(str, arguments), "--json"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300)
     assert done.returncode in ([2] if fails else [0, 1]), done.stderr
     return {"error": done.stderr.strip()} if fails else json.loads(done.stdout)
 
 
-@pytest.fixture(name="host_sim")
-def _host_sim():
-    return host_sim
+@pytest.fixture(name="cohold")
+def _cohold():
+    return cohold

@@ -5,12 +5,12 @@ import pickle
 import signal
 
 import distributed
-import haptic_sim
-import haptic_sim.cluster
+import cohold
+import cohold.cluster
 import numpy as np
 import pytest
 
-SWEEP = haptic_sim.Sweep(
+SWEEP = cohold.Sweep(
     "paper-5.2-passive-wave-16ms",
     {"coordination.stiffness_n_per_m": "50..12000:50:log", "network.loss": [0, 0.05, 0.2]},
     seeds=2,
@@ -45,7 +45,7 @@ def test_a_killed_worker_costs_nothing(client, tmp_path):
             killed.append(before.pop())
             os.kill(killed[0], signal.SIGKILL)
 
-    table = haptic_sim.cluster.run(client, SWEEP, tmp_path / "far", runs_per_task=5, progress=progress)
+    table = cohold.cluster.run(client, SWEEP, tmp_path / "far", runs_per_task=5, progress=progress)
     assert killed and killed[0] not in client.run(os.getpid).values()
     equal(table, SWEEP.run(tmp_path / "near"))
     lines = (tmp_path / "far" / "rows-1-of-1.csv").read_text().splitlines()
@@ -57,9 +57,9 @@ def test_what_is_there_is_not_run_again(client, tmp_path):
     with SWEEP.open(tmp_path) as journal:
         journal.append(SWEEP.rows(journal.missing()[:140]))
     told = []
-    table = haptic_sim.cluster.run(client, SWEEP, tmp_path, progress=lambda done, total: told.append((done, total)))
+    table = cohold.cluster.run(client, SWEEP, tmp_path, progress=lambda done, total: told.append((done, total)))
     assert told[-1] == (20, 20)
-    haptic_sim.cluster.run(client, SWEEP, tmp_path, progress=lambda *_: pytest.fail("nothing was missing"))
+    cohold.cluster.run(client, SWEEP, tmp_path, progress=lambda *_: pytest.fail("nothing was missing"))
     equal(table, SWEEP.run())
 
 
@@ -67,25 +67,25 @@ def test_tasks_are_all_the_runs_in_their_order():
     missing = [(0, [1, 2, 3]), (1, [2]), (4, list(range(10)))]
     flat = [(point, seed) for point, seeds in missing for seed in seeds]
     for size in (1, 2, 3, 5, 100):
-        tasks = list(haptic_sim.cluster._tasks(missing, size))
+        tasks = list(cohold.cluster._tasks(missing, size))
         assert [(point, seed) for task in tasks for point, seeds in task for seed in seeds] == flat
         sizes = [sum(len(seeds) for _, seeds in task) for task in tasks]
         assert set(sizes[:-1]) <= {size} and 0 < sizes[-1] <= size
-    assert haptic_sim.cluster._size(SWEEP, SWEEP.runs, 2) == 15
-    assert haptic_sim.cluster._size(SWEEP, 10_000_000, 2) == 800
+    assert cohold.cluster._size(SWEEP, SWEEP.runs, 2) == 15
+    assert cohold.cluster._size(SWEEP, 10_000_000, 2) == 800
 
 
 def test_a_worker_with_another_program_is_refused():
     with pytest.raises(RuntimeError, match="this worker would give other rows"):
-        haptic_sim.cluster._rows([(0, [1])], pickle.dumps(SWEEP), ['version = "0.0.0"'])
+        cohold.cluster._rows([(0, [1])], pickle.dumps(SWEEP), ['version = "0.0.0"'])
 
 
 def test_a_task_that_fails_raises_after_the_others(client, tmp_path, monkeypatch):
     # A seed that is not the sweep's is none of its rows: the task of a point that there is not.
-    tasks = haptic_sim.cluster._tasks
-    monkeypatch.setattr(haptic_sim.cluster, "_tasks", lambda runs, size: [*tasks(runs, size), [(10_000, [1])]])
+    tasks = cohold.cluster._tasks
+    monkeypatch.setattr(cohold.cluster, "_tasks", lambda runs, size: [*tasks(runs, size), [(10_000, [1])]])
     with pytest.raises(ValueError, match="point = 10000 is not allowed"):
-        haptic_sim.cluster.run(client, SWEEP, tmp_path)
+        cohold.cluster.run(client, SWEEP, tmp_path)
     with SWEEP.open(tmp_path) as journal:
         assert journal.missing() == []
 
@@ -130,4 +130,4 @@ def test_a_result_that_died_with_its_worker_is_waited_for(monkeypatch, tmp_path)
             return [Lost(key, task) for key, task in enumerate(tasks)]
 
     monkeypatch.setattr(distributed, "as_completed", iter)
-    equal(haptic_sim.cluster.run(Workers(), SWEEP, tmp_path), SWEEP.run())
+    equal(cohold.cluster.run(Workers(), SWEEP, tmp_path), SWEEP.run())

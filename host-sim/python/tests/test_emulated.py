@@ -6,7 +6,7 @@ import signal
 import subprocess
 import time
 
-import haptic_sim
+import cohold
 import pytest
 from test_live import _line, until  # noqa: F401
 
@@ -14,7 +14,7 @@ from test_live import _line, until  # noqa: F401
 @pytest.fixture(name="inverse3")
 def _inverse3():
     """An emulated Inverse3 whose hand reaches 20 mm, and which falls silent 16 s after it was started; the words that attach it."""
-    command = [os.environ["HOST_SIM"], "--json", "devices", "emulate", "inverse3", "--at", "127.0.0.1:0"]
+    command = [os.environ["COHOLD"], "--json", "devices", "emulate", "inverse3", "--at", "127.0.0.1:0"]
     command += ["--set", "user.1.reach_m=0.02", "--rest-s", "4", "--fault", "silent@16", "--lets-go-s", "0.2", "--seconds", "120"]
     emulator = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
@@ -34,8 +34,8 @@ def test_an_emulated_device_is_held_until_it_falls_silent(line, inverse3):
     # The other hand holds on.
     holds = {"user.2.arm_stiffness_n_per_m": 300.0, "user.2.arm_damping_n_s_per_m": 8.0}
     with (
-        haptic_sim.LivePeer("any-network", 1, settings=holds, **device, **line[0]) as one,
-        haptic_sim.LivePeer("any-network", 2, settings=holds, **line[1]) as two,
+        cohold.LivePeer("any-network", 1, settings=holds, **device, **line[0]) as one,
+        cohold.LivePeer("any-network", 2, settings=holds, **line[1]) as two,
     ):
         assert one.wait_armed(20) and two.wait_armed(20)
         # Two hands of 300 N/m and two contacts of 1000 N/m in a row would be 2.3 N at rest.

@@ -3,8 +3,8 @@
 import warnings
 
 import gymnasium
-import haptic_sim
-import haptic_sim.gym
+import cohold
+import cohold.gym
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
@@ -15,7 +15,7 @@ CARRY = "haptic/Carry-v0"
 
 def steer(observed):
     """A hand that goes to the place by a spring and a damper."""
-    at = {name: place for place, name in enumerate(haptic_sim.gym.OBSERVED)}
+    at = {name: place for place, name in enumerate(cohold.gym.OBSERVED)}
     pull = 1.0 + 20.0 * (observed[..., at["target_m"]] - observed[..., at["object_m"]]) - 6.0 * observed[..., at["hand_m_per_s"]]
     return pull[..., None].astype(np.float32)
 
@@ -25,7 +25,7 @@ def test_gymnasium_finds_nothing_to_say():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         warnings.filterwarnings("ignore", ".*recommend using a symmetric and normalized space")
-        check_env(haptic_sim.gym.CarryEnv(), skip_render_check=True)
+        check_env(cohold.gym.CarryEnv(), skip_render_check=True)
 
 
 def test_a_vector_is_its_singles():
@@ -33,7 +33,7 @@ def test_a_vector_is_its_singles():
     settings = {"seconds": 0.5, "reach_m": 0.06, "partner_n": (0.0, 3.0)}
     own = gymnasium.make_vec(CARRY, num_envs=6, threads=2, **settings)
     singles = gymnasium.make_vec(CARRY, num_envs=6, vectorization_mode="sync", **settings)
-    assert isinstance(own.unwrapped, haptic_sim.gym.CarryVectorEnv)
+    assert isinstance(own.unwrapped, cohold.gym.CarryVectorEnv)
     assert own.observation_space == singles.observation_space and own.action_space == singles.action_space
     draw, ends = np.random.default_rng(1), np.zeros(2)
     for given, other in [(own.reset(seed=5), singles.reset(seed=5))]:
@@ -65,14 +65,14 @@ def test_observations_and_rewards_are_those_of_a_pair_alone():
     observed, info = env.reset(seed=9)
     seed, target_m, partner_n = int(draw.integers(2**32)), draw.uniform(-0.04, 0.04), draw.uniform(0.5, 1.5)
     assert info["partner_n"] == partner_n
-    pair = haptic_sim.Pair(haptic_sim.Scene("any-network", {"network.loss": 0.2, "network.seed": seed}))
-    column = haptic_sim.Pair.COLUMNS.index
+    pair = cohold.Pair(cohold.Scene("any-network", {"network.loss": 0.2, "network.seed": seed}))
+    column = cohold.Pair.COLUMNS.index
     for push in (1.0, 1.4, 0.2, 1.5, 9.0, -9.0):
         observed, reward, lost, over, _ = env.step(np.array([push], np.float32))
         row = pair.steps(np.tile([np.clip(np.float32(push), -3, 3), partner_n], (30, 1)))[-1]
         copies = row[[column("object_1_m"), column("object_2_m")]]
         assert reward == -np.mean(np.minimum(np.abs(copies - target_m), 0.24)) and not (lost or over)
-        told = dict(zip(haptic_sim.gym.OBSERVED, observed))
+        told = dict(zip(cohold.gym.OBSERVED, observed))
         assert told["object_m"] == np.float32(row[column("object_1_m")]) and told["target_m"] == np.float32(target_m)
         assert told["hand_m"] == np.float32(row[column("device_1_m")]) and told["coupled"] == 1.0
 
@@ -108,7 +108,7 @@ def test_a_hand_that_steers_gets_there():
 
 
 def test_a_fault_ends_a_run():
-    scene = haptic_sim.Scene("paper-5.1-power-16ms", {"coordination.stiffness_n_per_m": 50_000})
+    scene = cohold.Scene("paper-5.1-power-16ms", {"coordination.stiffness_n_per_m": 50_000})
     env = gymnasium.make(CARRY, scene=scene, reach_m=10.0)
     env.reset(seed=1)
     for _ in range(250):
@@ -121,7 +121,7 @@ def test_a_fault_ends_a_run():
 def test_what_is_not_allowed_is_refused():
     wrong = [
         ({"scene": "no-such-scene"}, "no-such-scene"),
-        ({"scene": haptic_sim.Scene("any-network", {"axis.count": 2, "axis.shared": 2})}, "axis.shared = 2 is not allowed"),
+        ({"scene": cohold.Scene("any-network", {"axis.count": 2, "axis.shared": 2})}, "axis.shared = 2 is not allowed"),
         ({"step_s": 0.0}, "step_s = 0.0 is not allowed: it must be a number from 0.001 to 5 s"),
         ({"partner_n": (2.0, 1.0)}, "partner_n"),
         ({"target_m": 0.3}, "target_m = 0.3 is not allowed: it must be a number from 0 to 0.2 m"),
@@ -129,10 +129,10 @@ def test_what_is_not_allowed_is_refused():
     ]
     for settings, says in wrong:
         with pytest.raises((ValueError, OSError), match=says):
-            haptic_sim.gym.CarryEnv(**settings)
-    env = haptic_sim.gym.CarryEnv()
+            cohold.gym.CarryEnv(**settings)
+    env = cohold.gym.CarryEnv()
     env.reset(seed=1)
     with pytest.raises(ValueError, match="must be a number from -1000 to 1000 N"):
         env.step(np.array([np.nan], np.float32))
     with pytest.raises(ValueError, match="2 seeds are not allowed"):
-        haptic_sim.gym.CarryVectorEnv(3).reset(seed=[1, 2])
+        cohold.gym.CarryVectorEnv(3).reset(seed=[1, 2])

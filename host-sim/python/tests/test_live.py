@@ -11,7 +11,7 @@ import textwrap
 import threading
 import time
 
-import haptic_sim
+import cohold
 import pandas
 import pytest
 
@@ -34,7 +34,7 @@ def ports(count=2):
 def _line(tmp_path):
     """What the two ends of a line are told, beside their scene."""
     key = tmp_path / "pair.key"
-    haptic_sim.generate_key(key)
+    cohold.generate_key(key)
     one, two = ports()
     return {"listen": one, "connect": two, "key": key}, {"listen": two, "connect": one, "key": key}
 
@@ -80,14 +80,14 @@ class Handle:
         self.forces.append(self.force_n)
 
 
-def test_two_peers_hold_one_object_and_a_recording_is_read_back(line, tmp_path, host_sim):
+def test_two_peers_hold_one_object_and_a_recording_is_read_back(line, tmp_path, cohold):
     """1 N from each side: where statics say, in one process; what was recorded says the same."""
     record = tmp_path / "one.mcap"
     # Fingers that damp: the scene's own device alone swings for seconds.
     settings = {"device.damping_n_s_per_m": 5.0}
     with (
-        haptic_sim.LivePeer("any-network", 1, settings=settings, record=record, **line[0]) as one,
-        haptic_sim.LivePeer("any-network", 2, settings=settings, **line[1]) as two,
+        cohold.LivePeer("any-network", 1, settings=settings, record=record, **line[0]) as one,
+        cohold.LivePeer("any-network", 2, settings=settings, **line[1]) as two,
     ):
         assert one.wait_armed(20) and two.wait_armed(20)
         one.push(1.0)
@@ -95,7 +95,7 @@ def test_two_peers_hold_one_object_and_a_recording_is_read_back(line, tmp_path, 
         time.sleep(3.0)
         states = [one.state, two.state]
         second, verdict = one.second, one.verdict
-    stiffness = haptic_sim.Scene("any-network")["contact.stiffness_n_per_m"]
+    stiffness = cohold.Scene("any-network")["contact.stiffness_n_per_m"]
     for state, sign in zip(states, (1.0, -1.0)):
         assert state.mode == "armed" and state.fault is None and state.tick > 1000
         # A force holds each hand where it pushes its copy.
@@ -110,7 +110,7 @@ def test_two_peers_hold_one_object_and_a_recording_is_read_back(line, tmp_path, 
     assert report["punctuality"]["beats"] > 2500 and report["true_discrepancy_mm"] < 1.0
     assert report["recorded"].endswith("one.mcap")
     # As a recording of the command is read.
-    host_sim("recording", "convert", record, tmp_path / "one.parquet")
+    cohold("recording", "convert", record, tmp_path / "one.parquet")
     table = pandas.read_parquet(tmp_path / "one.parquet")
     assert len(table) > 2500
     # What Python saw is the very tick that was recorded.
@@ -121,8 +121,8 @@ def test_two_peers_hold_one_object_and_a_recording_is_read_back(line, tmp_path, 
 
 def test_it_waits_for_arm_and_lets_go_on_disarm(line):
     with (
-        haptic_sim.LivePeer({"object.mass_kg": 0.05}, 1, arm=False, **line[0]) as one,
-        haptic_sim.LivePeer({"object.mass_kg": 0.05}, 2, **line[1]) as two,
+        cohold.LivePeer({"object.mass_kg": 0.05}, 1, arm=False, **line[0]) as one,
+        cohold.LivePeer({"object.mass_kg": 0.05}, 2, **line[1]) as two,
     ):
         assert not one.wait_armed(1.5) and one.state.mode == "held" and one.state.force_n == 0.0
         assert two.state.mode != "armed"
@@ -147,7 +147,7 @@ def test_it_waits_for_arm_and_lets_go_on_disarm(line):
 
 def test_a_hand_goes_where_it_is_told(line):
     """As places come 60 times a second: there with the object, and back against a hand that stays where it is."""
-    with haptic_sim.LivePeer("any-network", 1, **line[0]) as one, haptic_sim.LivePeer("any-network", 2, **line[1]) as two:
+    with cohold.LivePeer("any-network", 1, **line[0]) as one, cohold.LivePeer("any-network", 2, **line[1]) as two:
         assert one.wait_armed(20) and two.wait_armed(20)
         for wrong in (float("nan"), -11.0, (0.0, 0.0)):
             with pytest.raises(ValueError, match="position.* is not allowed"):
@@ -170,9 +170,9 @@ def test_a_hand_goes_where_it_is_told(line):
 
 
 OTHER = """
-    import sys, time, haptic_sim
+    import sys, time, cohold
     listen, connect, key = sys.argv[1:]
-    peer = haptic_sim.LivePeer("any-network", 2, listen=listen, connect=connect, key=key)
+    peer = cohold.LivePeer("any-network", 2, listen=listen, connect=connect, key=key)
     assert peer.wait_armed(30)
     peer.push(-2.0)
     print("armed", flush=True)
@@ -189,13 +189,13 @@ def other(line, then):
 def test_the_other_process_is_killed_and_this_one_lets_go(line):
     child = other(line[1], "time.sleep(600)")
     try:
-        with haptic_sim.LivePeer("any-network", 1, **line[0]) as peer:
+        with cohold.LivePeer("any-network", 1, **line[0]) as peer:
             assert child.stdout is not None and child.stdout.readline() == "armed\n"
             peer.push(2.0)
             until(lambda: abs(peer.state.coordination_force_n) > 1.0)
             os.kill(child.pid, signal.SIGKILL)
             # It carries on more and more slowly while nothing comes, until nothing is left.
-            until(lambda: zero_for(peer, 0.5), haptic_sim.Scene("any-network")["safety.fade_s"] + 2.0)
+            until(lambda: zero_for(peer, 0.5), cohold.Scene("any-network")["safety.fade_s"] + 2.0)
             assert peer.state.fault is None
             report = peer.stop()
         said = [said for _, said in report["notices"]]
@@ -210,7 +210,7 @@ def test_whatever_ends_the_other_says_goodbye(line, then):
     """The end of the process, an exception, the object's own end: the session ends within a second, not after a silence."""
     child = other(line[1], then)
     try:
-        with haptic_sim.LivePeer("any-network", 1, **line[0]) as peer:
+        with cohold.LivePeer("any-network", 1, **line[0]) as peer:
             assert child.stdout is not None and child.stdout.readline() == "armed\n"
             until(lambda: zero_for(peer, 0.3), 3.0)
             report = peer.stop()
@@ -226,8 +226,8 @@ def test_a_device_in_python_is_held(line):
     # A busy machine may keep Python from answering for longer than a hand should be left alone.
     busy = {"settings": SOFT, "device_silent_s": 0.2}
     with (
-        haptic_sim.LivePeer("any-network", 1, device=one, **busy, **line[0]) as left,
-        haptic_sim.LivePeer("any-network", 2, device=two, **busy, **line[1]) as right,
+        cohold.LivePeer("any-network", 1, device=one, **busy, **line[0]) as left,
+        cohold.LivePeer("any-network", 2, device=two, **busy, **line[1]) as right,
     ):
         assert left.wait_armed(20) and right.wait_armed(20), (left, right)
         one.held_at_m, two.held_at_m = 0.01, -0.01
@@ -261,8 +261,8 @@ def test_a_device_that_raises_or_hangs_lets_go(line, how):
 
     bad = Bad()
     with (
-        haptic_sim.LivePeer("any-network", 1, settings=SOFT, device=bad, **line[0]) as one,
-        haptic_sim.LivePeer("any-network", 2, settings=SOFT, **line[1]) as two,
+        cohold.LivePeer("any-network", 1, settings=SOFT, device=bad, **line[0]) as one,
+        cohold.LivePeer("any-network", 2, settings=SOFT, **line[1]) as two,
     ):
         assert one.wait_armed(20) and two.wait_armed(20)
         bad.held_at_m = 0.01
@@ -281,20 +281,20 @@ def test_a_device_that_raises_or_hangs_lets_go(line, how):
 
 def test_an_exception_and_garbage_collection_let_go(line):
     with pytest.raises(ZeroDivisionError):
-        with haptic_sim.LivePeer("any-network", 1, **line[0]) as peer:
+        with cohold.LivePeer("any-network", 1, **line[0]) as peer:
             1 / 0
     assert not peer.running
     # Its socket is free again, and nobody who does not hold it keeps it.
-    peer = haptic_sim.LivePeer("any-network", 1, **line[0])
+    peer = cohold.LivePeer("any-network", 1, **line[0])
     before = threading.active_count()
     del peer
     gc.collect()
-    haptic_sim.LivePeer("any-network", 1, **line[0]).close()
+    cohold.LivePeer("any-network", 1, **line[0]).close()
     assert threading.active_count() == before
 
 
 def test_nobody_there_is_an_error_that_says_so(line):
-    peer = haptic_sim.LivePeer("any-network", 1, patience_s=0.5, **line[0])
+    peer = cohold.LivePeer("any-network", 1, patience_s=0.5, **line[0])
     with pytest.raises(RuntimeError, match=f"nobody answered from {line[0]['connect']} within 0.5 s"):
         peer.wait(10)
     with pytest.raises(RuntimeError, match="nobody answered"):
@@ -307,7 +307,7 @@ def test_refusals(line, tmp_path):
 
     def refused(match, kind=ValueError, scene="any-network", number=1, **changed):
         with pytest.raises(kind, match=match):
-            haptic_sim.LivePeer(scene, number, **{**end, **changed})
+            cohold.LivePeer(scene, number, **{**end, **changed})
 
     refused("number = 3 is not allowed", number=3)
     refused('listen = "here" is not allowed: it must be an address and a port', listen="here")
@@ -324,7 +324,7 @@ def test_refusals(line, tmp_path):
         lets_go_s = None
 
     refused("nobody knows how long a handle holds a force", device=Unknown(), settings=SOFT)
-    with haptic_sim.LivePeer("any-network", 1, device=Handle(), settings=SOFT, **end) as peer:
+    with cohold.LivePeer("any-network", 1, device=Handle(), settings=SOFT, **end) as peer:
         with pytest.raises(ValueError, match="push is for a simulated device"):
             peer.push(1.0)
         with pytest.raises(ValueError, match="move_hand is for a simulated device"):
@@ -332,7 +332,7 @@ def test_refusals(line, tmp_path):
 
 
 WRITTEN = """
-    import sys, haptic_sim
+    import sys, cohold
 
     class Nothing:
         name, sends, keys, reads, gains = "nothing", "motion", {}, (), ()
@@ -345,9 +345,9 @@ WRITTEN = """
         def send(self, values, state, local):
             return local
 
-    haptic_sim.add_law(Nothing())
+    cohold.add_law(Nothing())
     listen, connect, key = sys.argv[1:]
-    haptic_sim.LivePeer({"coordination.comm": "nothing"}, 1, listen=listen, connect=connect, key=key)
+    cohold.LivePeer({"coordination.comm": "nothing"}, 1, listen=listen, connect=connect, key=key)
 """
 
 
@@ -378,12 +378,12 @@ def test_the_pages_device_is_one(line, tmp_path):
     (code,) = [block for block in blocks() if "class Handle" in block]
     file = tmp_path / "handle.py"
     file.write_text(
-        f'{code}\nimport haptic_sim\nhaptic_sim.LivePeer({{}}, 1, listen="", connect="", key="", device=Handle()).close()\n'
+        f'{code}\nimport cohold\ncohold.LivePeer({{}}, 1, listen="", connect="", key="", device=Handle()).close()\n'
     )
     done = subprocess.run([sys.executable, "-m", "mypy", str(file)], capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
     made: dict = {}
     exec(code, made)
-    with haptic_sim.LivePeer("any-network", 1, device=made["Handle"](), settings=SOFT, **line[0]) as peer:
-        with haptic_sim.LivePeer("any-network", 2, settings=SOFT, **line[1]):
+    with cohold.LivePeer("any-network", 1, device=made["Handle"](), settings=SOFT, **line[0]) as peer:
+        with cohold.LivePeer("any-network", 2, settings=SOFT, **line[1]):
             assert peer.wait_armed(20)

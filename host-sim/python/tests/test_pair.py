@@ -1,6 +1,6 @@
 """Stepping: forces from Python are what the scene's own users would be."""
 
-import haptic_sim
+import cohold
 import numpy as np
 import pytest
 
@@ -9,7 +9,7 @@ SCENE = "paper-5.2-passive-wave-16ms"
 
 def nobody(scene):
     """The scene without its users, and what they do in N, tick by tick, toward the other peer."""
-    scene = haptic_sim.Scene(scene)
+    scene = cohold.Scene(scene)
     for key in ("user.1.push_n", "user.2.push_n", "user.1.pulse_n", "user.2.pulse_n", "user.1.sine_n", "user.2.sine_n"):
         scene[key] = 0
     return scene
@@ -17,21 +17,21 @@ def nobody(scene):
 
 @pytest.mark.parametrize("scalar", ["f32", "f64", "i32f32"])
 def test_forces_from_python_are_those_of_the_scenes_users(scalar):
-    users = haptic_sim.Scene(SCENE, {"user.1.push_n": 1.5, "user.2.push_n": 0.0, "user.2.sine_n": 2.0, "user.2.sine_rad_per_s": 3.0})
-    run = haptic_sim.run(users, 2.0, scalar)
+    users = cohold.Scene(SCENE, {"user.1.push_n": 1.5, "user.2.push_n": 0.0, "user.2.sine_n": 2.0, "user.2.sine_rad_per_s": 3.0})
+    run = cohold.run(users, 2.0, scalar)
     time_s = run.columns["time_s"]
     forces = np.stack([np.full(2000, 1.5), [2.0 * np.sin(3.0 * t) for t in time_s]], 1)
-    pair, state_hash = haptic_sim.Pair(nobody(users), scalar), None
+    pair, state_hash = cohold.Pair(nobody(users), scalar), None
     rows = []
     for first, second in forces:
         rows.append(pair.step(first, second))
         state_hash = pair.state_hash() if state_hash is None else pair.state_hash(state_hash)
     rows = np.array(rows)
-    for at, name in enumerate(haptic_sim.Pair.COLUMNS):
+    for at, name in enumerate(cohold.Pair.COLUMNS):
         assert np.allclose(rows[:, at], run.columns[name], rtol=0, atol=1e-9), name
     # The constant push to the last bit; the sine of another mathematics library may differ in its own last one.
-    push = haptic_sim.Scene(users, {"user.2.sine_n": 0.0})
-    run, pair = haptic_sim.run(push, 1.0, scalar), haptic_sim.Pair(nobody(push), scalar)
+    push = cohold.Scene(users, {"user.2.sine_n": 0.0})
+    run, pair = cohold.run(push, 1.0, scalar), cohold.Pair(nobody(push), scalar)
     state_hash = None
     for _ in range(1000):
         pair.step(1.5, 0.0)
@@ -41,7 +41,7 @@ def test_forces_from_python_are_those_of_the_scenes_users(scalar):
 
 def test_one_tick_and_many_are_the_same():
     forces = np.random.default_rng(1).normal(0.0, 1.0, (500, 2))
-    one, into, many = (haptic_sim.Pair(haptic_sim.Scene(SCENE)) for _ in range(3))
+    one, into, many = (cohold.Pair(cohold.Scene(SCENE)) for _ in range(3))
     stepped = np.array([one.step(*row) for row in forces])
     out = np.empty((500, 12))
     for row, place in zip(forces, out):
@@ -54,7 +54,7 @@ def test_one_tick_and_many_are_the_same():
 
 def test_memory_order_of_forces_does_not_matter():
     forces = np.stack([np.ones(500), np.linspace(0.0, -2.0, 500)], 1)
-    pairs = [haptic_sim.Pair(haptic_sim.Scene(SCENE)) for _ in range(3)]
+    pairs = [cohold.Pair(cohold.Scene(SCENE)) for _ in range(3)]
     given = [forces, np.asfortranarray(forces), np.repeat(forces, 2, axis=1)[:, ::2]]
     first, *others = [pair.steps(each) for pair, each in zip(pairs, given)]
     assert all(np.array_equal(first, other) for other in others)
@@ -62,7 +62,7 @@ def test_memory_order_of_forces_does_not_matter():
 
 def test_numbers_that_lie_askew_in_memory_are_refused():
     askew = np.frombuffer(bytearray(8 * 24 + 1), dtype=np.uint8)[1:].view(np.float64)
-    pair = haptic_sim.Pair(haptic_sim.Scene(SCENE))
+    pair = cohold.Pair(cohold.Scene(SCENE))
     with pytest.raises(ValueError, match="forces_n is not aligned in memory"):
         pair.steps(askew[:20].reshape(10, 2))
     with pytest.raises(ValueError, match="out is not aligned in memory"):
@@ -72,7 +72,7 @@ def test_numbers_that_lie_askew_in_memory_are_refused():
 
 
 def test_a_force_that_is_none_is_refused_and_nothing_moves():
-    pair = haptic_sim.Pair(haptic_sim.Scene(SCENE))
+    pair = cohold.Pair(cohold.Scene(SCENE))
     out = np.zeros(12)
     for force in (float("nan"), float("inf"), 1000.5):
         for step in (lambda: pair.step(force, 0.0), lambda: pair.step_into(0.0, force, out), lambda: pair.steps(np.array([[0.0, force]]))):
@@ -82,7 +82,7 @@ def test_a_force_that_is_none_is_refused_and_nothing_moves():
 
 
 def test_a_pair_that_stopped_says_so():
-    pair = haptic_sim.Pair(haptic_sim.Scene("paper-5.1-power-16ms", {"coordination.stiffness_n_per_m": 50_000}))
+    pair = cohold.Pair(cohold.Scene("paper-5.1-power-16ms", {"coordination.stiffness_n_per_m": 50_000}))
     pair.steps(np.ones((5000, 2)))
     peer, fault = pair.fault
     assert peer in (1, 2) and fault
@@ -90,7 +90,7 @@ def test_a_pair_that_stopped_says_so():
 
 def test_forces_that_there_is_no_room_for_are_refused():
     """Why: a view of two numbers with a thousand million rows ended the interpreter for want of memory."""
-    pair = haptic_sim.Pair(haptic_sim.Scene())
+    pair = cohold.Pair(cohold.Scene())
     for rows in (20_000_001, 10**9, 2**58):
         forces = np.broadcast_to(np.zeros(2), (rows, 2))
         with pytest.raises(ValueError, match=f"forces_n of {rows} rows is not allowed: it must have at most 20000000"):

@@ -1,26 +1,26 @@
 """Many pairs in one call: each is a pair alone, to the last bit."""
 
-import haptic_sim
+import cohold
 import numpy as np
 import pytest
 from test_pair import nobody
 
-LOSSY = haptic_sim.Scene("any-network", {"network.loss": 0.3})
+LOSSY = cohold.Scene("any-network", {"network.loss": 0.3})
 
 
 def alone(scene, seed, scalar="f64"):
-    scene = haptic_sim.Scene(scene)
+    scene = cohold.Scene(scene)
     scene["network.seed"] = seed
-    return haptic_sim.Pair(scene, scalar)
+    return cohold.Pair(scene, scalar)
 
 
 @pytest.mark.parametrize(("scalar", "threads"), [("f32", 1), ("f64", 3), ("i32f32", 8)])
 def test_each_is_a_pair_alone(scalar, threads):
     seeds, draw = [3, 1, 4, 1, 5], np.random.default_rng(2)
-    pairs = haptic_sim.Pairs(LOSSY, 5, scalar, threads)
+    pairs = cohold.Pairs(LOSSY, 5, scalar, threads)
     pairs.begin(range(5), seeds)
     each = [alone(LOSSY, seed, scalar) for seed in seeds]
-    shared = [haptic_sim.Pairs.COLUMNS.index(name) for name in haptic_sim.Pair.COLUMNS]
+    shared = [cohold.Pairs.COLUMNS.index(name) for name in cohold.Pair.COLUMNS]
     for ticks in (1, 20, 7):
         forces = draw.normal(1.0, 1.0, (5, 2))
         seen = pairs.steps(forces, ticks)
@@ -31,12 +31,12 @@ def test_each_is_a_pair_alone(scalar, threads):
 
 
 def test_beginning_anew_is_a_new_pair():
-    pairs, forces = haptic_sim.Pairs(LOSSY, 3), np.ones((3, 2))
+    pairs, forces = cohold.Pairs(LOSSY, 3), np.ones((3, 2))
     pairs.begin([0, 1, 2], [7, 8, 9])
     pairs.steps(forces * [1.0, 0.5], 500)
     pairs.begin(np.array([2, 0]), np.array([8, 9]))
     seen = pairs.steps(forces * [2.0, 0.5], 300)
-    shared = [haptic_sim.Pairs.COLUMNS.index(name) for name in haptic_sim.Pair.COLUMNS]
+    shared = [cohold.Pairs.COLUMNS.index(name) for name in cohold.Pair.COLUMNS]
     for at, seed in ((2, 8), (0, 9)):
         assert np.array_equal(seen[at, shared], alone(LOSSY, seed).steps(np.tile([2.0, 0.5], (300, 1)))[-1])
     other = alone(LOSSY, 8)
@@ -46,24 +46,24 @@ def test_beginning_anew_is_a_new_pair():
 
 def test_the_motor_presses_back_what_the_hand_pushes():
     """At rest a motor holds its hand: user 1's push of 1 N along x is met by -1 N, user 2's the other way by +1 N."""
-    pairs = haptic_sim.Pairs(haptic_sim.Scene("any-network"), 2)
+    pairs = cohold.Pairs(cohold.Scene("any-network"), 2)
     seen = pairs.steps(np.ones((2, 2)), 20_000)
-    at = [haptic_sim.Pairs.COLUMNS.index(f"motor_{peer}_n") for peer in (1, 2)]
+    at = [cohold.Pairs.COLUMNS.index(f"motor_{peer}_n") for peer in (1, 2)]
     assert np.allclose(seen[:, at], [-1.0, 1.0], atol=1e-3)
 
 
 def test_along_several_axes():
-    scene = haptic_sim.Scene("any-network", {"axis.count": 2, "axis.shared": 2})
+    scene = cohold.Scene("any-network", {"axis.count": 2, "axis.shared": 2})
     forces = np.random.default_rng(3).normal(0.0, 1.0, (4, 2, 2))
-    seen = haptic_sim.Pairs(scene, 4, threads=2).steps(forces, 50)
+    seen = cohold.Pairs(scene, 4, threads=2).steps(forces, 50)
     assert seen.shape == (4, 2, 22)
-    shared = [haptic_sim.Pairs.COLUMNS.index(name) for name in haptic_sim.Pair.COLUMNS]
+    shared = [cohold.Pairs.COLUMNS.index(name) for name in cohold.Pair.COLUMNS]
     for row, force in zip(seen, forces):
-        assert np.array_equal(row[:, shared], haptic_sim.Pair(scene).steps(np.tile(force, (50, 1, 1)))[-1])
+        assert np.array_equal(row[:, shared], cohold.Pair(scene).steps(np.tile(force, (50, 1, 1)))[-1])
 
 
 def test_what_stopped_says_so():
-    pairs = haptic_sim.Pairs(nobody(haptic_sim.Scene("paper-5.1-power-16ms", {"coordination.stiffness_n_per_m": 50_000})), 2)
+    pairs = cohold.Pairs(nobody(cohold.Scene("paper-5.1-power-16ms", {"coordination.stiffness_n_per_m": 50_000})), 2)
     pairs.steps(np.array([[1.0, 1.0], [0.0, 0.0]]), 5000)
     stopped, other = pairs.faults
     assert stopped[0] in (1, 2) and stopped[1] and other is None
@@ -71,11 +71,11 @@ def test_what_stopped_says_so():
 
 
 def test_what_is_not_allowed_is_refused():
-    pairs = haptic_sim.Pairs(LOSSY, 2)
+    pairs = cohold.Pairs(LOSSY, 2)
     wrong = [
-        (lambda: haptic_sim.Pairs(LOSSY, 0), "count = 0 is not allowed: it must be a whole number from 1 to 100000"),
-        (lambda: haptic_sim.Pairs(LOSSY, 2, threads=0), "threads = 0 is not allowed"),
-        (lambda: haptic_sim.Pairs(LOSSY, 2, "f16"), 'scalar = "f16" is not allowed'),
+        (lambda: cohold.Pairs(LOSSY, 0), "count = 0 is not allowed: it must be a whole number from 1 to 100000"),
+        (lambda: cohold.Pairs(LOSSY, 2, threads=0), "threads = 0 is not allowed"),
+        (lambda: cohold.Pairs(LOSSY, 2, "f16"), 'scalar = "f16" is not allowed'),
         (lambda: pairs.begin([2], [1]), "pair = 2 is not allowed: it must be a whole number from 0 to 1"),
         (lambda: pairs.begin([0], [-1]), "seed = -1 is not allowed"),
         (lambda: pairs.begin([0, 1], [1]), "1 seeds are not allowed: there must be as many as pairs, 2"),

@@ -4,7 +4,7 @@ import copy
 import math
 from collections import deque
 
-import haptic_sim
+import cohold
 import pytest
 
 SCENE = "paper-5.2-passive-wave-16ms"
@@ -36,7 +36,7 @@ class Line:
 
 
 def run(scene, pushes, ticks, scalar="f64"):
-    peers = [haptic_sim.Peer(scene, number, scalar) for number in (1, 2)]
+    peers = [cohold.Peer(scene, number, scalar) for number in (1, 2)]
     handles, lines, came = [Handle(), Handle()], [Line(8), Line(8)], [None, None]
     for now in range(ticks):
         sent = [None, None]
@@ -50,7 +50,7 @@ def run(scene, pushes, ticks, scalar="f64"):
 
 def test_two_peers_come_to_rest_where_statics_say():
     """1 N from each side: copies are F/K_T apart as each believes, hands F/K_LC into their copies."""
-    scene = haptic_sim.Scene(SCENE)
+    scene = cohold.Scene(SCENE)
     peers, handles = run(scene, (1.0, -1.0), 20_000)
     assert [peer.fault for peer in peers] == [None, None] and all(peer.engaged for peer in peers)
     assert all(abs(handle.velocity) < 1e-6 for handle in handles)
@@ -63,8 +63,8 @@ def test_two_peers_come_to_rest_where_statics_say():
 
 @pytest.mark.parametrize("scalar", ["f32", "f64", "i32f32"])
 def test_a_copy_is_a_saved_state(scalar):
-    scene = haptic_sim.Scene(SCENE)
-    peer = haptic_sim.Peer(scene, 1, scalar)
+    scene = cohold.Scene(SCENE)
+    peer = cohold.Peer(scene, 1, scalar)
     places = [0.001 * math.sin(0.01 * tick) for tick in range(400)]
 
     def go_on(peer, packet=None):
@@ -79,7 +79,7 @@ def test_a_copy_is_a_saved_state(scalar):
 
 
 def test_packets_are_numbers_with_names():
-    peer = haptic_sim.Peer(haptic_sim.Scene(SCENE), 1)
+    peer = cohold.Peer(cohold.Scene(SCENE), 1)
     _, packet = peer.tick(0.0, 0.0)
     assert len(packet) == len(peer.PACKET) == 6
     # The next is due eight ticks later.
@@ -87,7 +87,7 @@ def test_packets_are_numbers_with_names():
 
 
 def test_several_axes():
-    peer = haptic_sim.Peer(haptic_sim.Scene("space"), 2)
+    peer = cohold.Peer(cohold.Scene("space"), 2)
     force, packet = peer.tick((0.001, 0.0, 0.0), (0.0, 0.0, 0.0))
     assert len(force) == 3 and len(packet) == 3 and len(packet[0]) == 6
     peer.tick([0.0, 0.0, 0.0], [0.0, 0.0, 0.0], packet)
@@ -98,17 +98,17 @@ def test_several_axes():
 
 
 def test_what_is_no_number_stops_it():
-    scene = haptic_sim.Scene(SCENE)
+    scene = cohold.Scene(SCENE)
     for hand, packet in (((math.nan, 0.0), None), ((0.0, 0.0), (math.nan,) * 6)):
-        peer = haptic_sim.Peer(scene, 1)
+        peer = cohold.Peer(scene, 1)
         peer.tick(0.0, 0.0)
         force, _ = peer.tick(*hand, packet)
         assert force == 0.0 and peer.fault is not None and not peer.engaged
 
 
 def test_refusals():
-    scene = haptic_sim.Scene(SCENE)
+    scene = cohold.Scene(SCENE)
     with pytest.raises(ValueError, match="number = 3 is not allowed: it must be 1 or 2"):
-        haptic_sim.Peer(scene, 3)
+        cohold.Peer(scene, 3)
     with pytest.raises(ValueError, match="packet is not allowed: it must have 6 numbers"):
-        haptic_sim.Peer(scene, 1).tick(0.0, 0.0, (1.0, 2.0))
+        cohold.Peer(scene, 1).tick(0.0, 0.0, (1.0, 2.0))

@@ -7,7 +7,7 @@ import sys
 import threading
 import time
 
-import haptic_sim
+import cohold
 import numpy as np
 import pytest
 
@@ -17,13 +17,13 @@ SCALARS = ["f32", "f64", "i32f32"]
 LONG_LINES = ["leader-follower", "leader-follower-wall"]
 
 
-@pytest.mark.parametrize("name", haptic_sim.scenes())
-def test_every_built_in_scene_gives_the_command_lines_bits(name, host_sim):
-    scene = haptic_sim.Scene(name)
+@pytest.mark.parametrize("name", cohold.scenes())
+def test_every_built_in_scene_gives_the_command_lines_bits(name, cohold):
+    scene = cohold.Scene(name)
     for scalar in SCALARS[:1] if name in LONG_LINES else SCALARS:
-        run = haptic_sim.run(scene, SECONDS, scalar, every=0)
+        run = cohold.run(scene, SECONDS, scalar, every=0)
         assert len(run.axes) == scene["axis.shared"] and run.axes[0].keys() == run.columns.keys()
-        told = host_sim("cooperate", "--scene", name, "--seconds", SECONDS, "--scalar", scalar)
+        told = cohold("cooperate", "--scene", name, "--seconds", SECONDS, "--scalar", scalar)
         assert run.state_hash == told["state_hash"], scalar
         assert (run.stable, run.verdict, run.reason) == (told["stable"], told["verdict"], told["reason"])
         assert run.spectral_radius == told["spectral_radius"]
@@ -33,28 +33,28 @@ def test_every_built_in_scene_gives_the_command_lines_bits(name, host_sim):
             assert run.merits[merit] == told[merit], (scalar, merit)
         force = told["coordination_force_n"]
         assert (run.merits["coordination_force_mean_n"], run.merits["coordination_force_sd_n"]) == (force["mean"], force["sd"])
-    judged, told = haptic_sim.stability(scene), host_sim("stability", "point", "--scene", name)
+    judged, told = cohold.stability(scene), cohold("stability", "point", "--scene", name)
     assert (judged.stable, judged.spectral_radius) == (told["stable"], told["spectral_radius"])
     walls = {True: ", at the walls", None: ""}
     assert judged.modes == {mode["mode"] + walls[mode.get("at_walls")]: mode["spectral_radius"] for mode in told["modes"]}
     assert run.unstable_modes == [mode for mode, radius in judged.modes.items() if radius > 1 + 1e-9]
     assert judged.not_judged == told["not_judged"]
-    assert haptic_sim.advice(scene) == told["advice"]
+    assert cohold.advice(scene) == told["advice"]
 
 
-def test_limits_are_the_command_lines(host_sim):
+def test_limits_are_the_command_lines(cohold):
     key = "coordination.stiffness_n_per_m"
-    told = host_sim("stability", "limit", "--scene", "paper-5.1-power-16ms", "--of", key, "--from", 10, "--to", 3000)
-    found = haptic_sim.limit(haptic_sim.Scene("paper-5.1-power-16ms"), key, 10, 3000)
+    told = cohold("stability", "limit", "--scene", "paper-5.1-power-16ms", "--of", key, "--from", 10, "--to", 3000)
+    found = cohold.limit(cohold.Scene("paper-5.1-power-16ms"), key, 10, 3000)
     assert found == told["crossings"] and len(found) == 1
     above, below = ({key: factor * found[0]} for factor in (1.001, 0.999))
-    assert not haptic_sim.stability(haptic_sim.Scene("paper-5.1-power-16ms", above)).stable
-    assert haptic_sim.stability(haptic_sim.Scene("paper-5.1-power-16ms", below)).stable
+    assert not cohold.stability(cohold.Scene("paper-5.1-power-16ms", above)).stable
+    assert cohold.stability(cohold.Scene("paper-5.1-power-16ms", below)).stable
 
 
 def test_what_was_computed_is_pickled():
-    scene = haptic_sim.Scene("plane")
-    run, judged = haptic_sim.run(scene, 0.5), haptic_sim.stability(scene)
+    scene = cohold.Scene("plane")
+    run, judged = cohold.run(scene, 0.5), cohold.stability(scene)
     other, again = pickle.loads(pickle.dumps((run, judged)))
     assert repr((other, again)) == repr((run, judged))
     for name in ("stable", "verdict", "reason", "fault", "fault_time_s", "spectral_radius", "unstable_modes", "ticks", "merits"):
@@ -63,27 +63,27 @@ def test_what_was_computed_is_pickled():
     for one, told in zip(other.axes, run.axes):
         assert all(np.array_equal(one[name], told[name]) for name in told)
     assert (again.stable, again.modes, again.not_judged) == (judged.stable, judged.modes, judged.not_judged)
-    assert haptic_sim.__version__ == importlib.metadata.version("haptic-sim")
+    assert cohold.__version__ == importlib.metadata.version("cohold")
 
 
 def test_a_faulted_run_has_a_reason_and_no_merits():
-    scene = haptic_sim.Scene("paper-5.1-power-16ms", {"coordination.stiffness_n_per_m": 20_000})
-    run = haptic_sim.run(scene, 4.0)
+    scene = cohold.Scene("paper-5.1-power-16ms", {"coordination.stiffness_n_per_m": 20_000})
+    run = cohold.run(scene, 4.0)
     assert not run.stable and run.verdict == "NO" and run.reason
     assert run.merits["coordination_force_mean_n"] is None
     assert run.fault is None or run.fault[0] in (1, 2) and 0 < run.fault_time_s < 4.0
 
 
 def test_columns_are_the_simulators_own_memory():
-    run = haptic_sim.run(haptic_sim.Scene("matched-line"), 2.0)
+    run = cohold.run(cohold.Scene("matched-line"), 2.0)
     assert len(run.columns) == 27 and all(len(column) == 2000 for column in run.columns.values())
     assert not any(column.flags.owndata for column in run.columns.values())
     apart = np.abs(run.columns["object_1_m"] - run.columns["object_2_m"])
     assert np.array_equal(apart, run.columns["true_discrepancy_m"])
     assert run.merits["true_discrepancy_mm"] == pytest.approx(1e3 * apart[1000:].mean(), rel=1e-12)
-    tenth = haptic_sim.run(haptic_sim.Scene("matched-line"), 2.0, every=10)
+    tenth = cohold.run(cohold.Scene("matched-line"), 2.0, every=10)
     assert np.array_equal(tenth.columns["object_1_m"], run.columns["object_1_m"][::10])
-    assert len(haptic_sim.run(haptic_sim.Scene("matched-line"), 2.0, every=0).columns["time_s"]) == 0
+    assert len(cohold.run(cohold.Scene("matched-line"), 2.0, every=0).columns["time_s"]) == 0
 
 
 @pytest.mark.parametrize(
@@ -97,18 +97,18 @@ def test_columns_are_the_simulators_own_memory():
 )
 def test_what_cannot_be_run_is_refused(wrong, says):
     with pytest.raises(ValueError) as refused:
-        haptic_sim.run(haptic_sim.Scene(), **wrong)
+        cohold.run(cohold.Scene(), **wrong)
     assert says in str(refused.value)
 
 
-@pytest.mark.parametrize("work", ["haptic_sim.run(scene, 86_400.0, every=0)", "many.run()", "haptic_sim.Pair(scene).steps(forces)", "haptic_sim.Pair(plane).steps(along)"])
+@pytest.mark.parametrize("work", ["cohold.run(scene, 86_400.0, every=0)", "many.run()", "cohold.Pair(scene).steps(forces)", "cohold.Pair(plane).steps(along)"])
 def test_ctrl_c_ends_whatever_takes_long(work):
     code = f"""
-import os, signal, threading, time, haptic_sim, numpy
-scene = haptic_sim.Scene("paper-5.2-passive-wave-16ms")
-many = haptic_sim.Sweep(scene, {{"network.loss": "0..0.5:20000"}})
+import os, signal, threading, time, cohold, numpy
+scene = cohold.Scene("paper-5.2-passive-wave-16ms")
+many = cohold.Sweep(scene, {{"network.loss": "0..0.5:20000"}})
 forces = numpy.zeros((20_000_000, 2))
-plane, along = haptic_sim.Scene("plane"), numpy.broadcast_to(0.0, (20_000_000, 2, 2))
+plane, along = cohold.Scene("plane"), numpy.broadcast_to(0.0, (20_000_000, 2, 2))
 pressed = []
 def press():
     time.sleep(0.5)
@@ -126,7 +126,7 @@ except KeyboardInterrupt:
 
 def test_a_table_that_there_is_no_room_for_is_refused():
     with pytest.raises(ValueError, match="every = 1 is not allowed here: it makes 86400000 rows, and a table has at most 20000000"):
-        haptic_sim.run(haptic_sim.Scene(), 86_400.0, every=1)
+        cohold.run(cohold.Scene(), 86_400.0, every=1)
 
 
 def test_other_threads_go_on_while_rust_works():
@@ -140,7 +140,7 @@ def test_other_threads_go_on_while_rust_works():
     counter = threading.Thread(target=count)
     counter.start()
     start = time.perf_counter()
-    haptic_sim.run(haptic_sim.Scene("paper-5.2-passive-wave-16ms"), 3000.0, every=0)
+    cohold.run(cohold.Scene("paper-5.2-passive-wave-16ms"), 3000.0, every=0)
     took = time.perf_counter() - start
     stop.set()
     counter.join()

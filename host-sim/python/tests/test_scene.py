@@ -6,7 +6,7 @@ import pickle
 import subprocess
 import sys
 
-import haptic_sim
+import cohold
 import numpy as np
 import pytest
 
@@ -15,24 +15,24 @@ SCENES = pathlib.Path(__file__).parents[3] / "scenes"
 
 def test_a_name_a_file_and_its_text_are_one_scene(tmp_path):
     file = SCENES / "matched-line.toml"
-    scene = haptic_sim.Scene("matched-line")
-    assert scene == haptic_sim.Scene(file) == haptic_sim.Scene(str(file)) == haptic_sim.Scene.from_toml(file.read_text())
-    assert scene != haptic_sim.Scene()
+    scene = cohold.Scene("matched-line")
+    assert scene == cohold.Scene(file) == cohold.Scene(str(file)) == cohold.Scene.from_toml(file.read_text())
+    assert scene != cohold.Scene()
     again = tmp_path / "again.toml"
     again.write_text(scene.to_toml())
-    assert haptic_sim.Scene(again) == scene == haptic_sim.Scene(scene)
-    assert eval(repr(scene), {"Scene": haptic_sim.Scene}) == scene
+    assert cohold.Scene(again) == scene == cohold.Scene(scene)
+    assert eval(repr(scene), {"Scene": cohold.Scene}) == scene
 
 
 def test_every_key_is_told_and_can_be_set_to_what_it_is():
-    scene, keys = haptic_sim.Scene(), haptic_sim.keys()
+    scene, keys = cohold.Scene(), cohold.keys()
     assert len(keys) > 100
     for key, about in keys.items():
         assert about["meaning"], key
         if about["default"] is not None:
             assert scene[key] == about["default"]
             scene[key] = about["default"]
-    assert scene == haptic_sim.Scene()
+    assert scene == cohold.Scene()
     assert keys["coordination.stiffness_n_per_m"]["unit"] == "N/m"
     assert "power" in keys["coordination.comm"]["allowed"]
     with pytest.raises(KeyError):
@@ -40,7 +40,7 @@ def test_every_key_is_told_and_can_be_set_to_what_it_is():
 
 
 def test_values_of_python_and_numpy():
-    scene = haptic_sim.Scene()
+    scene = cohold.Scene()
     for key, value in {
         "network.loss": np.float32(0.25),
         "network.seed": np.int64(7),
@@ -67,43 +67,43 @@ def test_values_of_python_and_numpy():
         ("nothing.at_all", 1),
     ],
 )
-def test_errors_are_the_command_lines(key, value, host_sim):
+def test_errors_are_the_command_lines(key, value, cohold):
     with pytest.raises(ValueError) as refused:
-        haptic_sim.Scene(None, {key: value})
+        cohold.Scene(None, {key: value})
     place, said = str(refused.value).split(": ", 1)
-    told = host_sim("cooperate", "--set", f"{key}={value}", fails=True)["error"]
+    told = cohold("cooperate", "--set", f"{key}={value}", fails=True)["error"]
     assert place == "scene" and said in told, told
 
 
 def test_numbers_that_are_none_are_refused():
     for number in (float("nan"), float("inf")):
         with pytest.raises(ValueError, match="is not allowed"):
-            haptic_sim.Scene(None, {"network.loss": number})
+            cohold.Scene(None, {"network.loss": number})
 
 
 def test_a_line_of_a_file_is_named(tmp_path):
     file = tmp_path / "wrong.toml"
     file.write_text("[network]\nloss = 0.1\nseed = -1\n")
     with pytest.raises(ValueError, match="wrong.toml:3: network.seed = -1 is not allowed"):
-        haptic_sim.Scene(file)
+        cohold.Scene(file)
     with pytest.raises(ValueError, match=r"text:2: "):
-        haptic_sim.Scene.from_toml("[network]\nloss = = 1\n")
+        cohold.Scene.from_toml("[network]\nloss = = 1\n")
     with pytest.raises(FileNotFoundError) as missing:
-        haptic_sim.Scene(tmp_path / "none.toml")
+        cohold.Scene(tmp_path / "none.toml")
     assert missing.value.filename == str(tmp_path / "none.toml") and missing.value.errno == 2
     with pytest.raises(ValueError, match="did you mean matched-line?"):
-        haptic_sim.Scene("matched-lin")
+        cohold.Scene("matched-lin")
 
 
 def test_a_combination_is_refused_when_it_is_used():
-    scene = haptic_sim.Scene(None, {"plant.winding": True})
-    for use in (haptic_sim.run, haptic_sim.stability, haptic_sim.Pair):
+    scene = cohold.Scene(None, {"plant.winding": True})
+    for use in (cohold.run, cohold.stability, cohold.Pair):
         with pytest.raises(ValueError, match="plant.winding = true is not allowed with plant.motor = false"):
             use(scene)
 
 
 def test_copies_are_scenes_of_their_own():
-    scene = haptic_sim.Scene("any-network")
+    scene = cohold.Scene("any-network")
     for other in (copy.copy(scene), copy.deepcopy(scene), pickle.loads(pickle.dumps(scene))):
         assert other == scene
         other["network.loss"] = 0.125
@@ -113,8 +113,8 @@ def test_copies_are_scenes_of_their_own():
 def test_a_pickle_names_its_traces_by_the_whole_path(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     pathlib.Path("hand.csv").write_text("time_s,force_n\n0,0\n1,2\n2,0\n")
-    scene = haptic_sim.Scene(None, {"user.1.trace": "hand.csv"})
-    run = haptic_sim.run(scene, 2.0, every=0)
-    code = "import pickle, sys, haptic_sim; print(haptic_sim.run(pickle.load(sys.stdin.buffer), 2.0, every=0).state_hash)"
+    scene = cohold.Scene(None, {"user.1.trace": "hand.csv"})
+    run = cohold.run(scene, 2.0, every=0)
+    code = "import pickle, sys, cohold; print(cohold.run(pickle.load(sys.stdin.buffer), 2.0, every=0).state_hash)"
     elsewhere = subprocess.run([sys.executable, "-c", code], input=pickle.dumps(scene), capture_output=True, cwd="/", check=True)
     assert elsewhere.stdout.decode().strip() == run.state_hash

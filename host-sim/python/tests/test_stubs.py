@@ -6,12 +6,12 @@ import pathlib
 import subprocess
 import sys
 
-import haptic_sim
-import haptic_sim._native
+import cohold
+import cohold._native
 
 
 def test_stubs_are_the_modules_own():
-    check = [sys.executable, "-m", "mypy.stubtest", "haptic_sim._native", "--ignore-disjoint-bases"]
+    check = [sys.executable, "-m", "mypy.stubtest", "cohold._native", "--ignore-disjoint-bases"]
     done = subprocess.run(check, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
 
@@ -19,20 +19,20 @@ def test_stubs_are_the_modules_own():
 def test_the_pages_law_passes_mypy(tmp_path):
     """What a reader copies from docs/python.md, each method given its types or none."""
     page = (pathlib.Path(__file__).parents[3] / "docs/python.md").read_text()
-    (law,) = [block for block in page.split("```python\n") if "haptic_sim.add_law(" in block.split("```")[0]]
+    (law,) = [block for block in page.split("```python\n") if "cohold.add_law(" in block.split("```")[0]]
     file = tmp_path / "law.py"
-    file.write_text("import haptic_sim\n\n" + law.split("```")[0])
+    file.write_text("import cohold\n\n" + law.split("```")[0])
     done = subprocess.run([sys.executable, "-m", "mypy", str(file)], capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_docstrings_of_the_stubs_are_the_modules():
-    stub = ast.parse((pathlib.Path(haptic_sim.__file__).parent / "_native.pyi").read_text())
+    stub = ast.parse((pathlib.Path(cohold.__file__).parent / "_native.pyi").read_text())
     told = 0
     for node in ast.walk(stub):
         if not isinstance(node, (ast.ClassDef, ast.FunctionDef)) or node.name.startswith("_"):
             continue
-        owners = [haptic_sim._native, *(getattr(haptic_sim, name) for name in haptic_sim.__all__)]
+        owners = [cohold._native, *(getattr(cohold, name) for name in cohold.__all__)]
         known = {inspect.getdoc(getattr(owner, node.name, None)) for owner in owners}
         assert ast.get_docstring(node) in known, node.name
         told += 1

@@ -1,6 +1,6 @@
 """Studies: the command line's points, rows, answers and folders."""
 
-import haptic_sim
+import cohold
 import numpy as np
 import pyarrow.parquet
 import pytest
@@ -14,12 +14,12 @@ TIMES = ["--seconds", 2, "--seeds", 4]
 
 
 def asked(**other):
-    return haptic_sim.Study(LAWS, OVER, networks=NETWORKS, seeds=4, seconds=2.0, **other)
+    return cohold.Study(LAWS, OVER, networks=NETWORKS, seeds=4, seconds=2.0, **other)
 
 
-def test_rows_and_answers_are_the_command_lines(tmp_path, host_sim):
+def test_rows_and_answers_are_the_command_lines(tmp_path, cohold):
     bound = ["--at-most", "peak_coordination_force_n=3"]
-    host_sim("study", *LAWS, *TYPED, *TIMES, *bound, "--out", tmp_path)
+    cohold("study", *LAWS, *TYPED, *TIMES, *bound, "--out", tmp_path)
     found = asked().run()
     same(found.rows, tmp_path / "study.parquet")
     same(found.points, tmp_path / "study-points.parquet")
@@ -48,8 +48,8 @@ def test_the_best_point_is_that_of_the_rows():
             assert told["mean"][at] == pytest.approx(allowed[gain][1], rel=1e-12)
 
 
-def test_a_folder_goes_on_and_a_figure_is_drawn(tmp_path, host_sim):
-    host_sim("study", *LAWS, *TYPED, *TIMES, "--out", tmp_path, "--shard", "1/2")
+def test_a_folder_goes_on_and_a_figure_is_drawn(tmp_path, cohold):
+    cohold("study", *LAWS, *TYPED, *TIMES, "--out", tmp_path, "--shard", "1/2")
     done = []
     found = asked().run(tmp_path, progress=lambda at, total: done.append(total))
     assert set(done) == {24} and pyarrow.parquet.read_table(tmp_path / "study.parquet").num_rows == 48
@@ -57,16 +57,16 @@ def test_a_folder_goes_on_and_a_figure_is_drawn(tmp_path, host_sim):
     # As the command line names it.
     assert {path.stem for path in paths if path.suffix in (".svg", ".pdf", ".png")} == {"study-best"}
     assert {path.suffix for path in paths} == {".svg", ".pdf", ".png", ".toml"}
-    scenes = {"soft": haptic_sim.Scene("any-network", {"user.1.push_n": 1.0}), "as it is": "any-network"}
-    assert haptic_sim.Study(scenes, seeds=2, seconds=1.0).points == 2
+    scenes = {"soft": cohold.Scene("any-network", {"user.1.push_n": 1.0}), "as it is": "any-network"}
+    assert cohold.Study(scenes, seeds=2, seconds=1.0).points == 2
     with pytest.raises(OSError, match="is of another study"):
-        haptic_sim.Study(LAWS, OVER, seconds=1.0).run(tmp_path)
+        cohold.Study(LAWS, OVER, seconds=1.0).run(tmp_path)
 
 
-def test_a_search_is_the_command_lines_and_the_grids(tmp_path, host_sim):
+def test_a_search_is_the_command_lines_and_the_grids(tmp_path, cohold):
     """Fewer runs, and the grid's best points; the folder is one for both, and another question than the searched one is refused."""
     most = {"peak_hand_force_n": 3.0}
-    host_sim("study", *LAWS, *TYPED, *TIMES, "--at-most", "peak_hand_force_n=3", "--search", "halving", "--out", tmp_path)
+    cohold("study", *LAWS, *TYPED, *TIMES, "--at-most", "peak_hand_force_n=3", "--search", "halving", "--out", tmp_path)
     found = asked().run(search="halving", at_most=most)
     same(found.rows, tmp_path / "study.parquet")
     same(found.best(at_most=most), tmp_path / "study-best.parquet")
@@ -101,7 +101,7 @@ def test_a_search_is_the_command_lines_and_the_grids(tmp_path, host_sim):
 )
 def test_what_cannot_be_asked_is_refused(entrants, arguments, says):
     with pytest.raises(ValueError) as refused:
-        haptic_sim.Study(entrants, **arguments)
+        cohold.Study(entrants, **arguments)
     assert says in str(refused.value)
     with pytest.raises(ValueError, match="they are true_discrepancy_mm"):
-        haptic_sim.Study(["wave"], seeds=1, seconds=0.1).run().best("force")
+        cohold.Study(["wave"], seeds=1, seconds=0.1).run().best("force")

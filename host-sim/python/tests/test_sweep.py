@@ -3,7 +3,7 @@
 import pathlib
 import pickle
 
-import haptic_sim
+import cohold
 import numpy as np
 import pyarrow.parquet
 import pytest
@@ -15,7 +15,7 @@ TIMES = ["--seconds", 2, "--seeds", 2]
 
 
 def asked(**other):
-    return haptic_sim.Sweep(SCENE, OVER, seconds=2.0, seeds=2, **other)
+    return cohold.Sweep(SCENE, OVER, seconds=2.0, seeds=2, **other)
 
 
 def same(table, parquet):
@@ -31,8 +31,8 @@ def same(table, parquet):
             assert np.array_equal(column, stored.to_numpy(), equal_nan=column.dtype == float), name
 
 
-def test_rows_are_the_command_lines(tmp_path, host_sim):
-    host_sim("study", "sweep", "--scene", SCENE, *TYPED, *TIMES, "--out", tmp_path)
+def test_rows_are_the_command_lines(tmp_path, cohold):
+    cohold("study", "sweep", "--scene", SCENE, *TYPED, *TIMES, "--out", tmp_path)
     table = asked().run()
     same(table, tmp_path / "sweep.parquet")
     assert len(table["seed"]) == 36 and 0 < table["stable"].sum() < 36
@@ -46,20 +46,20 @@ def test_rows_are_the_command_lines(tmp_path, host_sim):
         assert np.array_equal(one[name], many[name], equal_nan=one[name].dtype == float), name
 
 
-def test_a_sample_is_the_command_lines(tmp_path, host_sim):
+def test_a_sample_is_the_command_lines(tmp_path, cohold):
     drawn = {"network.loss": "0..0.3", "object.mass_kg": "0.02..1:log", "coordination.comm": ["wave", "passive-wave"]}
     for design in ("sobol", "latin-hypercube"):
         typed = [word for key, of in drawn.items() for word in ("--sample", f"{key}={of if isinstance(of, str) else ','.join(of)}")]
         folder = tmp_path / design
         more = ["--points", 8, "--design", design, "--sample-seed", 3, "--seconds", 1]
-        host_sim("study", "sweep", "--scene", SCENE, *typed, *more, "--out", folder)
-        sweep = haptic_sim.Sweep(SCENE, sample=drawn, points=8, design=design, sample_seed=3, seconds=1.0)
+        cohold("study", "sweep", "--scene", SCENE, *typed, *more, "--out", folder)
+        sweep = cohold.Sweep(SCENE, sample=drawn, points=8, design=design, sample_seed=3, seconds=1.0)
         same(sweep.run(), folder / "sweep.parquet")
         assert sweep.keys == list(drawn)
 
 
-def test_a_folder_goes_on_whoever_began_it(tmp_path, host_sim):
-    host_sim("study", "sweep", "--scene", SCENE, *TYPED, *TIMES, "--out", tmp_path, "--shard", "1/3")
+def test_a_folder_goes_on_whoever_began_it(tmp_path, cohold):
+    cohold("study", "sweep", "--scene", SCENE, *TYPED, *TIMES, "--out", tmp_path, "--shard", "1/3")
     rows = tmp_path / "rows-1-of-3.csv"
     before = rows.read_text()
     sweep = asked()
@@ -74,10 +74,10 @@ def test_a_folder_goes_on_whoever_began_it(tmp_path, host_sim):
     table = sweep.run(tmp_path)
     same(table, tmp_path / "sweep.parquet")
     assert rows.read_text() == before and len((tmp_path / "rows-1-of-1.csv").read_text().splitlines()) == 25
-    told = host_sim("study", "sweep", "--scene", SCENE, *TYPED, *TIMES, "--out", tmp_path)
+    told = cohold("study", "sweep", "--scene", SCENE, *TYPED, *TIMES, "--out", tmp_path)
     assert (told["runs"], told["new_runs"]) == (36, 0)
     with pytest.raises(OSError, match="is of another sweep"):
-        haptic_sim.Sweep(SCENE, OVER, seconds=1.0).run(tmp_path)
+        cohold.Sweep(SCENE, OVER, seconds=1.0).run(tmp_path)
 
 
 def test_a_point_has_its_scene_and_a_pickle_its_question():
@@ -109,7 +109,7 @@ def test_a_point_has_its_scene_and_a_pickle_its_question():
 )
 def test_what_cannot_be_swept_is_refused(arguments, says):
     with pytest.raises(ValueError) as refused:
-        haptic_sim.Sweep(SCENE, **arguments)
+        cohold.Sweep(SCENE, **arguments)
     assert says in str(refused.value)
 
 

@@ -5,8 +5,8 @@ import subprocess
 import sys
 
 import distributed
-import haptic_sim
-import haptic_sim.cluster
+import cohold
+import cohold.cluster
 import numpy as np
 import pytest
 
@@ -51,23 +51,23 @@ class Ahead(Power):
 
 @pytest.fixture(scope="module", autouse=True)
 def laws():
-    haptic_sim.add_law(Power())
-    haptic_sim.add_law(Ahead())
+    cohold.add_law(Power())
+    cohold.add_law(Ahead())
 
 
 def test_the_same_equations_give_the_same_bits():
-    built_in = haptic_sim.Scene("paper-5.2-power-16ms", {"coordination.comm": "power"})
-    written = haptic_sim.Scene(built_in, {"coordination.comm": "power-again"})
-    one, other = (haptic_sim.run(scene, 2.0) for scene in (built_in, written))
+    built_in = cohold.Scene("paper-5.2-power-16ms", {"coordination.comm": "power"})
+    written = cohold.Scene(built_in, {"coordination.comm": "power-again"})
+    one, other = (cohold.run(scene, 2.0) for scene in (built_in, written))
     assert all(np.array_equal(one.columns[name], other.columns[name]) for name in one.columns)
     assert other.spectral_radius == one.spectral_radius
-    assert haptic_sim.stability(written).modes == haptic_sim.stability(built_in).modes
+    assert cohold.stability(written).modes == cohold.stability(built_in).modes
     sweep = {"coordination.stiffness_n_per_m": [200, 400, 20_000]}
-    one, other = (haptic_sim.Sweep(scene, sweep, seconds=0.5).run() for scene in (built_in, written))
+    one, other = (cohold.Sweep(scene, sweep, seconds=0.5).run() for scene in (built_in, written))
     assert np.array_equal(one["true_discrepancy_mm"], other["true_discrepancy_mm"], equal_nan=True)
     assert list(one["verdict"]) == list(other["verdict"])
-    pair = haptic_sim.Pair(written)
-    assert np.array_equal(pair.steps(np.ones((50, 2))), haptic_sim.Pair(built_in).steps(np.ones((50, 2))))
+    pair = cohold.Pair(written)
+    assert np.array_equal(pair.steps(np.ones((50, 2))), cohold.Pair(built_in).steps(np.ones((50, 2))))
 
 
 def test_a_law_may_answer_in_numpys_numbers():
@@ -87,9 +87,9 @@ def test_a_law_may_answer_in_numpys_numbers():
         def send(self, values, state, local):
             return np.array(local)
 
-    haptic_sim.add_law(Arrays())
-    one, other = (haptic_sim.Scene("paper-5.2-power-16ms", {"coordination.comm": name}) for name in ("power", "arrays"))
-    assert haptic_sim.run(one, 1.0).state_hash == haptic_sim.run(other, 1.0).state_hash
+    cohold.add_law(Arrays())
+    one, other = (cohold.Scene("paper-5.2-power-16ms", {"coordination.comm": name}) for name in ("power", "arrays"))
+    assert cohold.run(one, 1.0).state_hash == cohold.run(other, 1.0).state_hash
 
 
 @pytest.mark.parametrize(
@@ -102,19 +102,19 @@ def test_a_law_may_answer_in_numpys_numbers():
     ],
 )
 def test_what_a_law_must_not_answer_is_said(method, answer, says):
-    haptic_sim.add_law(type("Law", (Power,), {"name": "answers", method: lambda *_: answer})())
+    cohold.add_law(type("Law", (Power,), {"name": "answers", method: lambda *_: answer})())
     with pytest.raises(ValueError, match=says):
-        haptic_sim.run(haptic_sim.Scene(None, {"coordination.comm": "answers"}), 0.1)
+        cohold.run(cohold.Scene(None, {"coordination.comm": "answers"}), 0.1)
 
 
 def test_a_law_has_keys_of_its_own():
-    assert haptic_sim.keys()["ahead.ahead_s"]["unit"] == "s"
-    assert "ahead" in haptic_sim.keys()["coordination.comm"]["allowed"]
-    scene = haptic_sim.Scene("paper-5.1-power-16ms", {"coordination.comm": "ahead", "ahead.ahead_s": 0.0})
-    radius = haptic_sim.stability(scene).spectral_radius
-    assert radius == haptic_sim.stability(haptic_sim.Scene("paper-5.1-power-16ms")).spectral_radius
+    assert cohold.keys()["ahead.ahead_s"]["unit"] == "s"
+    assert "ahead" in cohold.keys()["coordination.comm"]["allowed"]
+    scene = cohold.Scene("paper-5.1-power-16ms", {"coordination.comm": "ahead", "ahead.ahead_s": 0.0})
+    radius = cohold.stability(scene).spectral_radius
+    assert radius == cohold.stability(cohold.Scene("paper-5.1-power-16ms")).spectral_radius
     scene["ahead.ahead_s"] = 0.05
-    assert haptic_sim.stability(scene).spectral_radius != radius
+    assert cohold.stability(scene).spectral_radius != radius
     with pytest.raises(ValueError, match="ahead.ahead_s = 1 is not allowed: it must be a number from 0 to 0.2 s"):
         scene["ahead.ahead_s"] = 1
 
@@ -128,22 +128,22 @@ def test_what_a_law_raises_is_raised():
                 raise ArithmeticError("no force today")
             return super().couple(values, state, local, contact_force_n, age_ticks)
 
-    haptic_sim.add_law(Wrong())
-    scene = haptic_sim.Scene("paper-5.1-power-16ms", {"coordination.comm": "wrong"})
-    pair = haptic_sim.Pair(scene)
+    cohold.add_law(Wrong())
+    scene = cohold.Scene("paper-5.1-power-16ms", {"coordination.comm": "wrong"})
+    pair = cohold.Pair(scene)
     for use in (
-        lambda: haptic_sim.run(scene, 1.0),
-        lambda: haptic_sim.stability(scene),
+        lambda: cohold.run(scene, 1.0),
+        lambda: cohold.stability(scene),
         lambda: [pair.step(0.0, 0.0) for _ in range(10)],
-        lambda: haptic_sim.Pair(scene).steps(np.zeros((10, 2))),
-        lambda: haptic_sim.Sweep(scene, {"network.loss": [0, 0.1]}, seconds=1.0).run(),
+        lambda: cohold.Pair(scene).steps(np.zeros((10, 2))),
+        lambda: cohold.Sweep(scene, {"network.loss": [0, 0.1]}, seconds=1.0).run(),
     ):
         with pytest.raises(ArithmeticError, match="no force today"):
             use()
     # Run again in a notebook, with the mistake mended.
     Wrong.couple = Power.couple
-    haptic_sim.add_law(Wrong())
-    haptic_sim.run(scene, 0.1)
+    cohold.add_law(Wrong())
+    cohold.run(scene, 0.1)
 
 
 @pytest.mark.parametrize(
@@ -159,7 +159,7 @@ def test_what_a_law_raises_is_raised():
 )
 def test_a_law_that_cannot_be_one_is_refused(wrong, says):
     with pytest.raises(ValueError) as refused:
-        haptic_sim.add_law(type("Law", (Power,), wrong)())
+        cohold.add_law(type("Law", (Power,), wrong)())
     assert says in str(refused.value)
 
 
@@ -175,17 +175,17 @@ def test_a_law_that_cannot_be_one_is_refused(wrong, says):
 @pytest.mark.parametrize(
     "work",
     [
-        "haptic_sim.run(scene, 1000.0)",
-        "haptic_sim.stability(scene)",
-        "haptic_sim.Pair(scene)",
+        "cohold.run(scene, 1000.0)",
+        "cohold.stability(scene)",
+        "cohold.Pair(scene)",
         "pair.steps(numpy.zeros((1_000_000, 2)))",
-        "haptic_sim.Sweep(scene, {'network.loss': '0..0.5:2000'}).run()",
+        "cohold.Sweep(scene, {'network.loss': '0..0.5:2000'}).run()",
     ],
 )
 def test_ctrl_c_ends_whatever_a_law_does(work, does):
     """Why: a run asked whether to go on every 10,000 ticks, and never inside of a law; and a law could take the signal for itself."""
     code = f"""
-import os, signal, sys, threading, time, haptic_sim, numpy
+import os, signal, sys, threading, time, cohold, numpy
 sys.path.insert(0, {__file__.rsplit("/", 1)[0]!r})
 from test_written_law import Power
 
@@ -214,9 +214,9 @@ class Slow(Power):
             {does}
         return super().start(*seen)
 
-haptic_sim.add_law(Slow())
-scene = haptic_sim.Scene("paper-5.1-power-16ms", {{"coordination.comm": "slow"}})
-pair = haptic_sim.Pair(scene)
+cohold.add_law(Slow())
+scene = cohold.Scene("paper-5.1-power-16ms", {{"coordination.comm": "slow"}})
+pair = cohold.Pair(scene)
 pressed = []
 def press():
     time.sleep(0.5)
@@ -240,7 +240,7 @@ if {"stubborn" in does or "30" in does}:
 
 def test_a_pair_whose_law_has_not_come_back_says_so():
     code = f"""
-import os, signal, sys, threading, time, haptic_sim, numpy
+import os, signal, sys, threading, time, cohold, numpy
 sys.path.insert(0, {__file__.rsplit("/", 1)[0]!r})
 from test_written_law import Power
 
@@ -250,8 +250,8 @@ class Slow(Power):
         time.sleep(2)
         return super().couple(*seen)
 
-haptic_sim.add_law(Slow())
-pair = haptic_sim.Pair(haptic_sim.Scene("paper-5.1-power-16ms", {{"coordination.comm": "slow"}}))
+cohold.add_law(Slow())
+pair = cohold.Pair(cohold.Scene("paper-5.1-power-16ms", {{"coordination.comm": "slow"}}))
 threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
 try:
     pair.steps(numpy.zeros((10, 2)))
@@ -272,7 +272,7 @@ print(pair.ticks)
 
 
 LAW = """
-import haptic_sim
+import cohold
 
 class Soft:
     name, sends, keys, reads, gains = "soft", "motion", {}, ("coordination.stiffness_n_per_m",), ()
@@ -281,7 +281,7 @@ class Soft:
     def couple(self, values, state, local, contact_force_n, age_ticks): return state, values[0] * (state[0] - local[0]), state
     def send(self, values, state, local): return local
 
-haptic_sim.add_law(Soft())
+cohold.add_law(Soft())
 """
 
 
@@ -294,12 +294,12 @@ def client():
 
 def test_a_worker_that_does_not_know_a_law_is_named_and_can_learn_it(client, tmp_path):
     exec(LAW, {})
-    sweep = haptic_sim.Sweep(haptic_sim.Scene(None, {"coordination.comm": "soft"}), {"network.loss": [0, 0.1]}, seconds=0.5)
+    sweep = cohold.Sweep(cohold.Scene(None, {"coordination.comm": "soft"}), {"network.loss": [0, 0.1]}, seconds=0.5)
     with pytest.raises(ValueError, match="worker tcp://127.0.0.1:[0-9]+ does not know the law soft"):
-        haptic_sim.cluster.run(client, sweep, tmp_path)
+        cohold.cluster.run(client, sweep, tmp_path)
     # A worker that comes later is not asked before: its task says so.
     with pytest.raises(ValueError, match='coordination.comm = "?soft"? is not allowed'):
-        client.submit(haptic_sim.cluster._rows, [(0, [1])], pickle.dumps(sweep), sweep.made, pure=False).result(timeout=30)
+        client.submit(cohold.cluster._rows, [(0, [1])], pickle.dumps(sweep), sweep.made, pure=False).result(timeout=30)
     client.run(exec, LAW, {})
-    far, near = haptic_sim.cluster.run(client, sweep, tmp_path), sweep.run()
+    far, near = cohold.cluster.run(client, sweep, tmp_path), sweep.run()
     assert list(far["state_hash"]) == list(near["state_hash"])

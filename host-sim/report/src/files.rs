@@ -17,9 +17,9 @@ use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use chrono::{DateTime, SecondsFormat};
-use haptic_columns::{Cell, Columns};
-use haptic_io::Kind;
-use haptic_plot::{Error, Figure, Print, paint, write_file};
+use cohold_columns::{Cell, Columns};
+use cohold_io::Kind;
+use cohold_plot::{Error, Figure, Print, paint, write_file};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::parquet_file::parquet;
@@ -198,7 +198,7 @@ impl Files {
         let compared = || self.parts.iter().filter(|part| !matches!(part.ending, "parquet" | "svg" | "pdf"));
         let taken = |part: &FileContent, number| {
             let path = self.path(&part.name, part.ending, number);
-            path.symlink_metadata().is_ok() && !haptic_io::is(&path, &part.bytes)
+            path.symlink_metadata().is_ok() && !cohold_io::is(&path, &part.bytes)
         };
         let mut number = 1;
         while compared().any(|part| taken(part, number)) {

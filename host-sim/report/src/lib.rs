@@ -8,7 +8,7 @@
 pub mod files;
 mod parquet_file;
 
+pub use cohold_columns::{Cell, Column, Columns, Holds, Rows, Typed, Values, label, numbered, word};
+pub use cohold_plot::{Error, significant};
 pub use files::{Files, Provenance};
-pub use haptic_columns::{Cell, Column, Columns, Holds, Rows, Typed, Values, label, numbered, word};
-pub use haptic_plot::{Error, significant};
 pub use parquet_file::ROW_GROUP_ROWS;

@@ -1,6 +1,6 @@
-//! Names of settings and options that are not the peer's own: one table a type, as in `haptic_core::names`.
+//! Names of settings and options that are not the peer's own: one table a type, as in `cohold_core::names`.
 
-/// Enums whose values have names: `"name" => Variant, "meaning";`, a line each. The order is that of [`haptic_core::names::Choice`].
+/// Enums whose values have names: `"name" => Variant, "meaning";`, a line each. The order is that of [`cohold_core::names::Choice`].
 #[doc(hidden)]
 #[macro_export]
 macro_rules! choices {
@@ -9,7 +9,7 @@ macro_rules! choices {
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum $Name { $( #[doc = $meaning] $Variant ),+ }
 
-        impl haptic_core::names::Choice for $Name {
+        impl cohold_core::names::Choice for $Name {
             const NAMES: &'static [&'static str] = &[$($name),+];
             const ALL: &'static [Self] = &[$(Self::$Variant),+];
         }

@@ -4,14 +4,14 @@
 //! time and never fails. One that is really there goes on by itself: it is asked once a tick for what it has told by now
 //! ([`Device::look`]), and may be [`Gone`]. No method blocks; who has to wait, for a socket or a bus, does so in a thread of its own.
 
-use haptic_core::device::{AXES, Reading};
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::numbered;
-use haptic_core::peer::{Actuators, Sensors};
+use cohold_core::device::{AXES, Reading};
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::numbered;
+use cohold_core::peer::{Actuators, Sensors};
 
 numbered! {
     /// Why a device that is really there must not be driven. The numbers go on where those of a peer's own faults
-    /// ([`haptic_core::safety::Fault`]) end, and are never reused either.
+    /// ([`cohold_core::safety::Fault`]) end, and are never reused either.
     pub enum DeviceFault {
         23 Silent: "the device said nothing new for too long",
         24 Stopped: "the device stopped, or its socket or bus is closed",
@@ -43,7 +43,7 @@ impl Gone {
 
 /// A device that a peer reads and drives: a simulated plant, several side by side in lanes, or a caller's own.
 ///
-/// Lengths, speeds and forces are of the shared world ([`haptic_core::device::scale`]): m, m/s, N.
+/// Lengths, speeds and forces are of the shared world ([`cohold_core::device::scale`]): m, m/s, N.
 pub trait Device<S: Scalar, const N: usize = AXES> {
     /// Takes what the device has told by now; a node asks at every tick, armed or not, before it reads. Never blocks.
     ///

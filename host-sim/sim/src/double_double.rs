@@ -11,7 +11,7 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use haptic_core::num::Scalar;
+use cohold_core::num::Scalar;
 
 /// A number of about 32 decimal digits: the sum of two f64.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use haptic_core::settings::Refused;
+use cohold_core::settings::Refused;
 
 /// What the operating system or a parser said.
 type Cause = Box<dyn std::error::Error + Send + Sync>;

@@ -1,10 +1,10 @@
 //! Simulation of two haptic peers on a PC: the scene, devices and users, the network, and the outcome of a run.
 //!
-//! The peers are those of `haptic_core`, the same code that runs on the board; its page also explains the two papers
+//! The peers are those of `cohold_core`, the same code that runs on the board; its page also explains the two papers
 //! and THEORY, which comments cite. Everything that a program needs to run scenes is at the root:
 //!
 //! ```
-//! use haptic_sim::{Laws, Options, Pair, Scene, run, scenes};
+//! use cohold_sim::{Laws, Options, Pair, Scene, run, scenes};
 //!
 //! // A built-in scene, run to its outcome …
 //! let scene: Scene = scenes::load(Laws::built_in(), "paper-5.2-wave-16ms")?;
@@ -13,7 +13,7 @@
 //! // … or tick by tick.
 //! let mut pair = Pair::<f64>::new(&scene)?;
 //! pair.step();
-//! # Ok::<(), haptic_sim::Error>(())
+//! # Ok::<(), cohold_sim::Error>(())
 //! ```
 //!
 //! | for | see |
@@ -46,9 +46,9 @@ pub mod scenes;
 pub mod student;
 pub mod user;
 
+pub use cohold_core::device::AXES;
 pub use device::Device;
 pub use error::Error;
-pub use haptic_core::device::AXES;
 pub use network::rule::{Fate, Rule};
 pub use network::trace::NetworkTrace;
 pub use pair::{Pair, PeerTick, Side};

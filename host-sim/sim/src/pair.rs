@@ -6,11 +6,11 @@
 
 use std::borrow::Borrow;
 
-use haptic_core::device::AXES;
-use haptic_core::num::Scalar;
-use haptic_core::peer::{Actuators, Sensors};
-use haptic_core::safety::{Command, Fault, Mode};
-use haptic_core::{law::Packet, settings::Refused};
+use cohold_core::device::AXES;
+use cohold_core::num::Scalar;
+use cohold_core::peer::{Actuators, Sensors};
+use cohold_core::safety::{Command, Fault, Mode};
+use cohold_core::{law::Packet, settings::Refused};
 
 use crate::device::Device;
 use crate::engine::{Actor, Engine, Out, Seat, Turn};

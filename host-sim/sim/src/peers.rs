@@ -8,15 +8,15 @@
 
 use std::fmt::Debug;
 
-use haptic_core::device::kinematics::{AnyKinematics, AnySpatial, Kinematics};
-use haptic_core::device::probe::{Outcome, Probe};
-use haptic_core::law::bounds::Bounds;
-use haptic_core::law::{AnyLaw, Law, Packet};
-use haptic_core::num::{Configured, Fixed, Motion, Scalar, StateVector};
-use haptic_core::peer::{Actuators, Observed, Peer, Sensors};
-use haptic_core::safety::{Command, Mode};
-use haptic_core::settings::{LawInfo, Refused, Settings};
-use haptic_core::{contact::Impacts, device::AXES, law::ledger::Ledger, schema::Schema};
+use cohold_core::device::kinematics::{AnyKinematics, AnySpatial, Kinematics};
+use cohold_core::device::probe::{Outcome, Probe};
+use cohold_core::law::bounds::Bounds;
+use cohold_core::law::{AnyLaw, Law, Packet};
+use cohold_core::num::{Configured, Fixed, Motion, Scalar, StateVector};
+use cohold_core::peer::{Actuators, Observed, Peer, Sensors};
+use cohold_core::safety::{Command, Mode};
+use cohold_core::settings::{LawInfo, Refused, Settings};
+use cohold_core::{contact::Impacts, device::AXES, law::ledger::Ledger, schema::Schema};
 
 use crate::double_double::DoubleDouble;
 use crate::lanes::number::F64s;
@@ -33,7 +33,7 @@ pub(crate) fn mixed(hash: u64, word: u64) -> u64 {
 macro_rules! dyn_peer {
     ($( $(#[$doc:meta])* fn $name:ident($self:ident: $receiver:ty $(, $argument:ident: $type:ty)*) $(-> $out:ty)?; )+) => {
         /// One haptic peer, configuration and state, that shares the object along `SHARED` axes of a device of `N`, whatever its law and
-        /// mechanism: the methods of `haptic_core::peer`.
+        /// mechanism: the methods of `cohold_core::peer`.
         pub trait DynPeer<S: Scalar, const SHARED: usize = 1, const N: usize = AXES>: Configured + Debug + Send + Sync {
             $( $(#[$doc])* fn $name($self: $receiver $(, $argument: $type)*) $(-> $out)?; )+
             /// A control period whole, for who brings devices and network himself: takes in what has come of the other peer since the
@@ -282,7 +282,7 @@ impl Default for Laws {
 }
 
 impl Laws {
-    /// The laws of haptic-core.
+    /// The laws of cohold-core.
     pub const fn built_in() -> Self {
         Self { schema: Schema::BUILT_IN, makers: &BUILT_IN, own: 1 }
     }

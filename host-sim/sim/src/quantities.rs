@@ -1,6 +1,6 @@
-//! Columns, by name and meaning. Those of a peer after a tick are views of [`haptic_core::sample`], called the same everywhere.
+//! Columns, by name and meaning. Those of a peer after a tick are views of [`cohold_core::sample`], called the same everywhere.
 
-use haptic_core::sample::Quantities;
+use cohold_core::sample::Quantities;
 
 /// A column: its name, which ends in its unit, and what it means.
 pub type Named = (&'static str, &'static str);
@@ -39,7 +39,7 @@ pub const fn around<const N: usize>(of: &Quantities, [before, between, behind]: 
 /// If there is no such column; in a constant, that is a compile error.
 pub const fn place(columns: &[Named], name: &str) -> usize {
     let mut at = 0;
-    while !haptic_core::sample::same(columns[at].0, name) {
+    while !cohold_core::sample::same(columns[at].0, name) {
         at += 1;
     }
     at

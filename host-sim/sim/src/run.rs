@@ -17,9 +17,9 @@ mod statics;
 
 use std::cmp::Ordering;
 
-use haptic_core::contact::{Impacts, RenderingName};
-use haptic_core::num::{Fixed, Scalar};
-use haptic_core::settings::Refused;
+use cohold_core::contact::{Impacts, RenderingName};
+use cohold_core::num::{Fixed, Scalar};
+use cohold_core::settings::Refused;
 
 pub use self::account::{Account, Ticked};
 pub use self::accounts::Accounts;

@@ -1,19 +1,19 @@
 //! A scene: what two peers, their users, their devices and the network between them have as settings before a run.
 //!
 //! Scene files are TOML. Every key is optional; the defaults are the cooperation paper's §5. Keys of the peer itself are
-//! declared in `haptic_core::settings`, those of the world around it here, and both are read, checked and listed by the
+//! declared in `cohold_core::settings`, those of the world around it here, and both are read, checked and listed by the
 //! same code. Whatever is wrong (unknown key, wrong unit, out of range) is one error that names the key, the value
 //! and what is allowed, and where it stood.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use haptic_core::contact::Side;
-use haptic_core::device::current;
-use haptic_core::num::Motion;
-use haptic_core::settings::{Allowed, Key, LawInfo, Refused, SetError, Settings, Tables, Value};
+use cohold_core::contact::Side;
+use cohold_core::device::current;
+use cohold_core::num::Motion;
+use cohold_core::settings::{Allowed, Key, LawInfo, Refused, SetError, Settings, Tables, Value};
 
-use haptic_io::Most;
+use cohold_io::Most;
 use toml::de::DeTable;
 
 use crate::Error;
@@ -157,7 +157,7 @@ impl Scene {
     pub fn load(laws: Laws, path: Option<&Path>, overrides: &[String]) -> Result<Self, Error> {
         let Some(path) = path else { return Self::of_text(laws, "", "scene", None, overrides) };
         let place = path.display().to_string();
-        let text = haptic_io::text(path, MOST).map_err(Error::cannot("read", &place))?;
+        let text = cohold_io::text(path, MOST).map_err(Error::cannot("read", &place))?;
         Self::of_text(laws, &text, &place, path.parent(), overrides)
     }
 

@@ -6,12 +6,12 @@
 
 use std::path::{Path, PathBuf};
 
-use haptic_core::settings::number;
-use haptic_io::Most;
+use cohold_core::settings::number;
+use cohold_io::Most;
 
 use crate::Error;
 
-haptic_core::settings! {
+cohold_core::settings! {
     /// The settings of a user, apart from a trace.
     pub struct UserSettings;
 
@@ -151,7 +151,7 @@ impl Trace {
     pub fn read(file: &Path) -> Result<Self, Error> {
         let path = file.display();
         let read = Error::cannot::<csv::Error>("read", &path);
-        let bytes = haptic_io::read(file, TRACE).map_err(Error::cannot("read", &path))?;
+        let bytes = cohold_io::read(file, TRACE).map_err(Error::cannot("read", &path))?;
         let mut reader = csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_reader(bytes.as_slice());
         let header = reader.headers().map_err(&read)?;
         if *header != ["time_s", "force_n"][..] {

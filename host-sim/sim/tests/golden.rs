@@ -3,15 +3,15 @@
 //! The same in debug and in release, on one thread and on two, on every machine. Written anew by `BLESS=1 cargo test`;
 //! a change of any hash is a change of behaviour and belongs into the changelog.
 
-use haptic_core::num::Fixed;
-use haptic_sim::run::{Options, Run, run};
-use haptic_sim::scenes;
+use cohold_core::num::Fixed;
+use cohold_sim::run::{Options, Run, run};
+use cohold_sim::scenes;
 use rayon::prelude::*;
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/golden.txt");
 
 fn hash<S: Run>(name: &str) -> String {
-    let scene = scenes::load(haptic_sim::Laws::built_in(), name).expect("a built-in scene");
+    let scene = scenes::load(cohold_sim::Laws::built_in(), name).expect("a built-in scene");
     let outcome = run::<S>(&scene, Options { duration_s: 5.0, record_every: 0 }, &|_| {}).expect("a good scene");
     format!("{name} {} {:016x}", S::NAME, outcome.hash)
 }

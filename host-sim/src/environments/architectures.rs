@@ -1,14 +1,14 @@
-//! `host-sim paper architectures`: the same task in every architecture, side by side.
+//! `cohold paper architectures`: the same task in every architecture, side by side.
 
 use clap::Args;
-use haptic_core::{names::Choice, num::Scalar};
-use haptic_environments::studies::architectures::together::unbounded_radius;
-use haptic_environments::studies::architectures::{Architecture, DELAYS_MS, Row, TASK, across, columns, picture, rows};
-use haptic_report::significant;
+use cohold_core::{names::Choice, num::Scalar};
+use cohold_environments::studies::architectures::together::unbounded_radius;
+use cohold_environments::studies::architectures::{Architecture, DELAYS_MS, Row, TASK, across, columns, picture, rows};
+use cohold_report::significant;
 use serde_json::json;
 
-use haptic_cli::flags::Out;
-use haptic_cli::{Failure, Ui};
+use cohold_cli::flags::Out;
+use cohold_cli::{Failure, Ui};
 
 #[derive(Debug, Args)]
 pub(super) struct Architectures {
@@ -82,7 +82,7 @@ fn slowest_packets(unbounded: &[(u32, f64)]) -> String {
     let radii: Vec<_> = edge.iter().map(|(packet_ms, radius)| format!("{radius:.3} at {packet_ms} ms")).collect();
     format!(
         "Packets go every 8 ms, which counts as delay: without the bounder a contact of 1000 N/m does not bear that even at 0 ms.\n\
-         It needs packets every {stable} ms or faster: spectral radius {}. host-sim shared cooperative sends them every tick.",
+         It needs packets every {stable} ms or faster: spectral radius {}. cohold shared cooperative sends them every tick.",
         radii.join(", ")
     )
 }

@@ -1,13 +1,13 @@
-//! `host-sim shared collaborate`: one at a time edits an object, by a lock or by a token ring, on trial.
+//! `cohold shared collaborate`: one at a time edits an object, by a lock or by a token ring, on trial.
 
 use clap::Args;
-use haptic_environments::collaborative;
-use haptic_environments::collaborative::{MOST_USERS, Mistake, Scheme, Trial};
+use cohold_environments::collaborative;
+use cohold_environments::collaborative::{MOST_USERS, Mistake, Scheme, Trial};
 use serde_json::json;
 
-use haptic_cli::flags::choice;
-use haptic_cli::ui::and;
-use haptic_cli::{Failure, Ui};
+use cohold_cli::flags::choice;
+use cohold_cli::ui::and;
+use cohold_cli::{Failure, Ui};
 
 #[derive(Debug, Args)]
 pub(crate) struct Collaborate {

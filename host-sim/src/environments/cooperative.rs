@@ -1,24 +1,24 @@
-//! `host-sim shared cooperative`: many users, one object, one dynamics engine.
+//! `cohold shared cooperative`: many users, one object, one dynamics engine.
 
 mod picture;
 
 use std::time::Instant;
 
 use clap::Args;
-use haptic_core::names::Choice;
-use haptic_environments::cooperative::run::{Outcome, run};
-use haptic_environments::cooperative::waves::Waves;
-use haptic_environments::cooperative::{Collision, Engine, Setup};
-use haptic_environments::{cooperative::limits, cooperative::limits::bounded_radius};
-use haptic_report::{Columns, Provenance};
-use haptic_sim::scene::Scene;
+use cohold_core::names::Choice;
+use cohold_environments::cooperative::run::{Outcome, run};
+use cohold_environments::cooperative::waves::Waves;
+use cohold_environments::cooperative::{Collision, Engine, Setup};
+use cohold_environments::{cooperative::limits, cooperative::limits::bounded_radius};
+use cohold_report::{Columns, Provenance};
+use cohold_sim::scene::Scene;
 use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::json;
 
-use haptic_cli::flags::{Out, Time, choice, number, switch};
-use haptic_cli::ui::and;
-use haptic_cli::{Failure, SceneArgs, Ui};
+use cohold_cli::flags::{Out, Time, choice, number, switch};
+use cohold_cli::ui::and;
+use cohold_cli::{Failure, SceneArgs, Ui};
 
 const DELAYS_MS: [f64; 10] = [0.0, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];
 

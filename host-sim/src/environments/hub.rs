@@ -1,11 +1,11 @@
-//! `host-sim shared hub`: where 2 to 16 live peers meet.
+//! `cohold shared hub`: where 2 to 16 live peers meet.
 
 use clap::Args;
-use haptic_cli::flags::{End, Patience, Watching};
-use haptic_cli::{Failure, SceneArgs, Ui};
-use haptic_environments::cooperative::MOST_USERS;
-use haptic_environments::live::hub;
-use haptic_live::endpoint::{Span, Stop};
+use cohold_cli::flags::{End, Patience, Watching};
+use cohold_cli::{Failure, SceneArgs, Ui};
+use cohold_environments::cooperative::MOST_USERS;
+use cohold_environments::live::hub;
+use cohold_live::endpoint::{Span, Stop};
 
 #[derive(Debug, Args)]
 #[command(mut_arg("scene", |scene| scene.default_value("hub")))]

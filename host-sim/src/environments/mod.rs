@@ -7,15 +7,15 @@ mod hub;
 mod squash;
 mod world;
 
-use haptic_cli::columns::TableKind;
-use haptic_environments::cooperative::run;
-use haptic_environments::studies::architectures as compared;
-use haptic_environments::world::stroke;
-use haptic_report::Columns;
+use cohold_cli::columns::TableKind;
+use cohold_environments::cooperative::run;
+use cohold_environments::studies::architectures as compared;
+use cohold_environments::world::stroke;
+use cohold_report::Columns;
 
 pub(crate) use world::world_keys;
 
-haptic_cli::commands! {
+cohold_cli::commands! {
     /// Below `paper`.
     pub(crate) OfThePaper {
         /// The same task in every architecture: coherency, force, stability and bandwidth side by side, to choose by.
@@ -23,7 +23,7 @@ haptic_cli::commands! {
     }
 }
 
-haptic_cli::commands! {
+cohold_cli::commands! {
     /// Beside the heart's.
     pub(crate) Environments {
         /// The shared environments of the architectures paper: one engine, taking turns, a game, a world to visit.
@@ -32,7 +32,7 @@ haptic_cli::commands! {
     }
 }
 
-haptic_cli::commands! {
+cohold_cli::commands! {
     pub(crate) Shared {
         /// Many users push one object that one dynamics engine moves: limits, bounder, hand-over.
         Cooperative(cooperative::Cooperative),

@@ -1,19 +1,19 @@
-//! `host-sim shared squash`: Force Feedback Multi-player Squash, played by bots.
+//! `cohold shared squash`: Force Feedback Multi-player Squash, played by bots.
 
 use std::net::SocketAddr;
 
 use clap::{ArgAction, Args, Subcommand};
-use haptic_environments::live::squash as live;
-use haptic_environments::roles::squash::RALLIES;
-use haptic_environments::squash::{Cell, Options, picture, play, sweep};
-use haptic_live::endpoint::Stop;
-use haptic_report::Columns;
+use cohold_environments::live::squash as live;
+use cohold_environments::roles::squash::RALLIES;
+use cohold_environments::squash::{Cell, Options, picture, play, sweep};
+use cohold_live::endpoint::Stop;
+use cohold_report::Columns;
 use serde_json::json;
 
-use haptic_cli::address::endpoint;
-use haptic_cli::flags::{KeyFile, Out, Time, number, switch};
-use haptic_cli::ui::and;
-use haptic_cli::{Failure, SceneArgs, Ui};
+use cohold_cli::address::endpoint;
+use cohold_cli::flags::{KeyFile, Out, Time, number, switch};
+use cohold_cli::ui::and;
+use cohold_cli::{Failure, SceneArgs, Ui};
 
 /// What a game goes by, simulated or live.
 #[derive(Clone, Copy, Debug, Args)]

@@ -1,7 +1,7 @@
 //! One or two boards as their operator has them: what their ticks see, and the few lines that a page may say to them.
 //!
 //! A board moves a motor against a person, so a page says no line of its own making: arm, clear a fault, check a joint,
-//! and stop. Whether motors may be on is the lease's to say ([`haptic_protocol::lease`]). **Stop** is said from the next datagram on, to
+//! and stop. Whether motors may be on is the lease's to say ([`cohold_protocol::lease`]). **Stop** is said from the next datagram on, to
 //! every board, whatever its thread waits for, until the board confirms it; it also ends what runs alone or for another operator. **Hold
 //! to run**: permission ends when no page of the operator has asked for [`SILENCE_US`], because it was closed, hidden or is stuck; motors
 //! also go off when this process is silent (`safety.operator_lost_s`). A page shows motors as off only while the board's own word on
@@ -18,17 +18,17 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use haptic_board_tools::calibrate::board::{Board, FAULTED, Joint, settings};
-use haptic_board_tools::calibrate::simulated::SharedSimulation;
-use haptic_board_tools::operator::{Reins, STOPPED, STOPPING, UNCONFIRMED, is_start};
-use haptic_board_tools::recording::{COLUMNS, row};
-use haptic_board_tools::status::Probed;
-use haptic_core::safety::Fault;
-use haptic_live::endpoint::stand_back;
-use haptic_live::operator::Operator;
-use haptic_protocol::lease::{AtBoard, AtOperator, Holder, Motors, No, Word};
-use haptic_sim::quantities::place;
-use haptic_sim::scene::Scene;
+use cohold_board_tools::calibrate::board::{Board, FAULTED, Joint, settings};
+use cohold_board_tools::calibrate::simulated::SharedSimulation;
+use cohold_board_tools::operator::{Reins, STOPPED, STOPPING, UNCONFIRMED, is_start};
+use cohold_board_tools::recording::{COLUMNS, row};
+use cohold_board_tools::status::Probed;
+use cohold_core::safety::Fault;
+use cohold_live::endpoint::stand_back;
+use cohold_live::operator::Operator;
+use cohold_protocol::lease::{AtBoard, AtOperator, Holder, Motors, No, Word};
+use cohold_sim::quantities::place;
+use cohold_sim::scene::Scene;
 use serde::Serialize;
 use serde_json::json;
 
@@ -36,7 +36,7 @@ use super::boards_line::Line;
 use super::environment::{ALONE, ARMED, Command, Environment, FAULT, OFF, Sample, Standing, WAITS};
 use super::pair_columns::{OF_BOTH, sample};
 use super::session::PERIOD_S;
-use haptic_cli::Failure;
+use cohold_cli::Failure;
 
 /// After so long without a page of the operator the motors go off, µs.
 const SILENCE_US: u64 = 1_000_000;

@@ -1,25 +1,25 @@
-//! `host-sim play`: the live page.
+//! `cohold play`: the live page.
 
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use haptic_live::devices::Kind;
-use haptic_live::{endpoint::Stop, key_file};
-use haptic_protocol::key;
-use haptic_report::Provenance;
-use haptic_sim::scene::Scene;
+use cohold_live::devices::Kind;
+use cohold_live::{endpoint::Stop, key_file};
+use cohold_protocol::key;
+use cohold_report::Provenance;
+use cohold_sim::scene::Scene;
 use serde_json::json;
 
-use haptic_cli::address::endpoint;
-use haptic_cli::board::address;
-use haptic_cli::device::DeviceArgs;
-use haptic_cli::flags::{RecordTo, choice, seconds};
-use haptic_cli::live::allowed;
-use haptic_cli::live_peer::judge;
-use haptic_cli::recordings::load;
-use haptic_cli::road::Met;
-use haptic_cli::{Failure, SceneArgs, Ui};
+use cohold_cli::address::endpoint;
+use cohold_cli::board::address;
+use cohold_cli::device::DeviceArgs;
+use cohold_cli::flags::{RecordTo, choice, seconds};
+use cohold_cli::live::allowed;
+use cohold_cli::live_peer::judge;
+use cohold_cli::recordings::load;
+use cohold_cli::road::Met;
+use cohold_cli::{Failure, SceneArgs, Ui};
 
 use super::{
     At, Boards, End, EnvironmentKind, HAND, Model, Opened, OpenedPage, Page, Place, Role, Shown, measure,
@@ -29,7 +29,7 @@ use super::{
 /// How long each run of `--measure` takes where nobody says, s.
 const MEASURED_S: f64 = 10.0;
 
-haptic_cli::commands! {
+cohold_cli::commands! {
     /// Beside the heart's.
     pub(crate) PageCommands {
         /// Hold it yourself: one object, two people in two browser windows or one and a partner, in real time on a page of this machine.
@@ -59,7 +59,7 @@ pub(super) struct Play {
     /// One board or two, whose operator this page is: ADDRESS[:PORT] of each, or `simulated` for two with software devices.
     #[arg(long, value_name = "ADDRESS,…", value_delimiter = ',', conflicts_with_all = ["listen", "join"])]
     board: Vec<String>,
-    /// Key file, the same at both ends (`host-sim key generate`); of boards their operator's (`key generate --operator`).
+    /// Key file, the same at both ends (`cohold key generate`); of boards their operator's (`key generate --operator`).
     #[arg(long, value_name = "FILE")]
     key_file: Option<PathBuf>,
     /// A recording (MCAP) of `play`, `peer`, `cooperate` or `recording merge A B OUT.mcap`, looked at on the same page.
@@ -108,7 +108,7 @@ impl Play {
                 return Err(format!("--picture {}: its name must end in .svg", file.display()).into());
             }
             let picture = moving_picture(&EnvironmentKind::BadNetwork.fitting(scene)?)?;
-            return Ok(haptic_plot::write_file(file, "SVG", picture.as_bytes(), haptic_io::Kind::Named)?);
+            return Ok(cohold_plot::write_file(file, "SVG", picture.as_bytes(), cohold_io::Kind::Named)?);
         }
         let shown = self.shown(ui, &stop)?;
         // What a device is given in the scene depends on which of the two this is.
@@ -240,7 +240,7 @@ fn say_lan(ui: &Ui, page: &Page, hand: u8) {
     }
     if let Some(code) = page.code() {
         ui.status(format_args!("a phone that scans this is hand {hand}:"));
-        haptic_io::draw(code);
+        cohold_io::draw(code);
         ui.status(
             "the local network is not encrypted: who listens on it (the Wi-Fi) reads these two addresses, and can hold that hand and stop",
         );

@@ -9,10 +9,10 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use haptic_core::names::Choice as _;
-use haptic_live::endpoint::{Punctuality, Stop, Ticker};
-use haptic_live::recording::mcap::Channel;
-use haptic_live::recording::recorder::Recorder;
+use cohold_core::names::Choice as _;
+use cohold_live::endpoint::{Punctuality, Stop, Ticker};
+use cohold_live::recording::mcap::Channel;
+use cohold_live::recording::recorder::Recorder;
 use serde::Serialize;
 
 use super::environment::{Column, Command, Environment, LineReport, MODES, Opening, Sample, mode_and_fault};
@@ -21,7 +21,7 @@ use super::mailbox::{Contents, Mailbox, Request, Status};
 use super::opened::in_unit;
 use super::partner::Model;
 use super::session::PERIOD_S;
-use haptic_cli::Failure;
+use cohold_cli::Failure;
 
 /// A tick this late is not caught up.
 const SLEPT: Duration = Duration::from_millis(500);

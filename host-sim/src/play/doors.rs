@@ -6,10 +6,10 @@
 
 use std::net::{Ipv4Addr, SocketAddrV4, TcpListener};
 
-use haptic_live::addresses::Named;
+use cohold_live::addresses::Named;
 
 use super::roles::Rights;
-use haptic_cli::Failure;
+use cohold_cli::Failure;
 
 /// Which way a connection came in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +40,7 @@ impl Doors {
     pub(super) fn open(port: u16, lan: Option<Ipv4Addr>) -> Result<(Self, Vec<(Way, TcpListener)>), Failure> {
         let listen = |address: Ipv4Addr| {
             let at = SocketAddrV4::new(address, port);
-            let failed = haptic_sim::Error::cannot::<std::io::Error>("listen on", &at);
+            let failed = cohold_sim::Error::cannot::<std::io::Error>("listen on", &at);
             let listener = TcpListener::bind(at).map_err(&failed)?;
             let port = listener.local_addr().map_err(&failed)?.port();
             Ok::<_, Failure>((SocketAddrV4::new(address, port), listener))

@@ -7,16 +7,16 @@
 
 use std::sync::Arc;
 
-use haptic_core::safety::Mode;
-use haptic_live::recording::recorder::Recorder;
-use haptic_live::road::PathReport;
-use haptic_live::verdict::Verdict;
-use haptic_sim::scene::Scene;
+use cohold_core::safety::Mode;
+use cohold_live::recording::recorder::Recorder;
+use cohold_live::road::PathReport;
+use cohold_live::verdict::Verdict;
+use cohold_sim::scene::Scene;
 use serde::Serialize;
 
 use super::boards_line::Line;
 use super::partner::Model;
-use haptic_cli::Failure;
+use cohold_cli::Failure;
 
 /// Numbers in a sample, at the most; what a column is missing for is no number. The last one of all says how often it has started anew.
 pub(super) const MOST: usize = 57;

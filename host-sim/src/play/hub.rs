@@ -1,15 +1,15 @@
 //! Four hands on one object through a hub: two of people, two of partners who play always.
 
-use haptic_environments::cooperative::waves::Waves;
-use haptic_sim::network::link::Route;
-use haptic_sim::scene::Scene;
+use cohold_environments::cooperative::waves::Waves;
+use cohold_sim::network::link::Route;
+use cohold_sim::scene::Scene;
 
 use super::environment::{ARMED, Column, number_of};
 use super::partner::{Model, Partner};
 use super::session::{PERIOD_S, first, on_device};
 use super::shared_environment::{Held, Play};
-use haptic_cli::Failure;
-use haptic_live::hand::Hand;
+use cohold_cli::Failure;
+use cohold_live::hand::Hand;
 
 /// Number of hands on the object.
 const HANDS: usize = 4;

@@ -1,6 +1,6 @@
 //! Whether what is asked for is stable, on a thread of its own, one order after the other.
 //!
-//! **What is judged**: [`haptic_analysis::find`], with the hands of [`super::hand`] on both devices, on one, and on none. A delay of more
+//! **What is judged**: [`cohold_analysis::find`], with the hands of [`super::hand`] on both devices, on one, and on none. A delay of more
 //! than [`MOST_PACKETS`] in flight takes seconds to judge, and is not.
 //!
 //! **What is asked first**: an order that takes a stable scene to one that is not known to be stable, unless it touches nothing
@@ -9,18 +9,18 @@
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-use haptic_analysis::{Effort, Finding, Hand, Question, Range, delays_ticks, limit};
-use haptic_core::names::Choice as _;
-use haptic_live::endpoint::stand_back;
-use haptic_sim::scene::{Jitter, Scene};
+use cohold_analysis::{Effort, Finding, Hand, Question, Range, delays_ticks, limit};
+use cohold_core::names::Choice as _;
+use cohold_live::endpoint::stand_back;
+use cohold_sim::scene::{Jitter, Scene};
 use serde_json::json;
 
 use super::kinds::EnvironmentKind;
 use super::mailbox::{Mailbox, Request};
 use super::orders::apply;
 use super::session::same_but_for_network;
-use haptic_cli::Failure;
-use haptic_live::hand::{DAMPING, STIFFNESS};
+use cohold_cli::Failure;
+use cohold_live::hand::{DAMPING, STIFFNESS};
 
 /// A hand of the page's, as an analysis has it.
 pub(crate) const HAND: Hand = Hand { stiffness_n_per_m: STIFFNESS, damping_n_s_per_m: DAMPING };
@@ -152,7 +152,7 @@ pub(super) fn edge(scene: &Scene) -> Option<f64> {
 /// Why an order is refused, as a window gets it: one line, of which a long quotation is left out in the middle.
 pub(super) fn refusal(why: &Failure) -> String {
     let why = why.to_string();
-    let why = haptic_io::escaped(&why);
+    let why = cohold_io::escaped(&why);
     let length = why.chars().count();
     if length <= LONGEST_REFUSAL {
         return why.into_owned();
@@ -209,7 +209,7 @@ pub(super) fn find(scene: &Scene) -> Finding {
     not_judged.extend((scene.law().own_time).then_some("ticks in which the line stands"));
     not_judged.extend((network.loss > 0.0).then_some("packets that are lost"));
     not_judged.extend((network.jitter != Jitter::None && network.jitter_s > 0.0).then_some("a delay that changes"));
-    Finding { not_judged, ..haptic_analysis::find(scene, QUESTION) }
+    Finding { not_judged, ..cohold_analysis::find(scene, QUESTION) }
 }
 
 #[cfg(test)]

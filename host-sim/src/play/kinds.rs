@@ -1,9 +1,9 @@
 //! The environments that a page can show by itself: what each is called, what is in its samples, and how it is opened.
 
-use haptic_core::names::Choice;
-use haptic_core::settings::Refused;
-use haptic_sim::peers::Builds;
-use haptic_sim::{of_axes, scene::Scene};
+use cohold_core::names::Choice;
+use cohold_core::settings::Refused;
+use cohold_sim::peers::Builds;
+use cohold_sim::{of_axes, scene::Scene};
 use serde_json::{Value, json};
 
 use super::environment::{Column, Environment};
@@ -17,9 +17,9 @@ use super::story::{self, Story};
 use super::three_laws::{self, ThreeLaws};
 use super::turns::{self, Turns};
 use super::visit::{self, Visit};
-use haptic_cli::Failure;
+use cohold_cli::Failure;
 
-haptic_sim::choices! {
+cohold_sim::choices! {
     /// An environment that needs nothing but a scene.
     EnvironmentKind {
         "pair" => Pair, "Two peers hold one object along one axis.";

@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
-use haptic_sim::scene::Scene;
+use cohold_sim::scene::Scene;
 
 use super::environment::{Command, Sample, Standing};
 use super::kinds::EnvironmentKind;

@@ -11,10 +11,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use haptic_live::endpoint::Stop;
-use haptic_live::quantiles::{Quantiles, Times};
-use haptic_report::Columns;
-use haptic_sim::scene::Scene;
+use cohold_live::endpoint::Stop;
+use cohold_live::quantiles::{Quantiles, Times};
+use cohold_report::Columns;
+use cohold_sim::scene::Scene;
 use tungstenite::protocol::Role as Side;
 use tungstenite::{Message, WebSocket};
 
@@ -23,7 +23,7 @@ use super::kinds::EnvironmentKind;
 use super::page::{At, Page, Shown};
 use super::partner::Model;
 use super::roles::Role;
-use haptic_cli::Failure;
+use cohold_cli::Failure;
 
 /// From one question of a window to the next.
 const FRAME: Duration = Duration::from_micros(16_667);

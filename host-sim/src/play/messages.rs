@@ -1,7 +1,7 @@
 //! What a window says, read: the question that it asks once a frame, and the orders that act without the judge. The table is in
 //! [`super::web`].
 
-use haptic_core::names::Choice as _;
+use cohold_core::names::Choice as _;
 
 use super::boards_line::Line;
 use super::environment::Command;

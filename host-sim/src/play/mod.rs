@@ -3,7 +3,7 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`haptic_live::hand`] | a pointer becomes a hand: spring and damper, play-out |
+//! | [`cohold_live::hand`] | a pointer becomes a hand: spring and damper, play-out |
 //! | [`partner`] | who holds the other hand while nobody else does |
 //! | [`environment`] | what is stepped and drawn, whatever it is |
 //! | [`kinds`] | which there are |
@@ -23,7 +23,7 @@
 //! | [`control_loop`] | 1 kHz by the clock |
 //! | [`roles`], [`connections`] | who may do what, and how many are let in |
 //! | [`messages`] | what a window says, read |
-//! | [`doors`], [`haptic_cli::qr`] | this machine, and a local network where that is asked for, with a code to scan |
+//! | [`doors`], [`cohold_cli::qr`] | this machine, and a local network where that is asked for, with a code to scan |
 //! | [`web`] | the page's files, and a WebSocket for each window |
 //! | [`page`] | all of that together |
 //! | [`measure`] | how well the control loop keeps time with ten pages open |
@@ -64,9 +64,9 @@ mod visit;
 mod web;
 
 use boards::{Boards, Place};
+use cohold_cli::columns::TableKind;
 pub(crate) use command::PageCommands;
 use control_loop::channels;
-use haptic_cli::columns::TableKind;
 use judge::HAND;
 use kinds::EnvironmentKind;
 use measure::measure;

@@ -6,12 +6,12 @@
 
 use std::fmt::{Display, Write};
 
-use haptic_sim::scene::Scene;
+use cohold_sim::scene::Scene;
 
 use super::environment::{Environment, Sample};
 use super::session::PERIOD_S;
 use super::three_laws::{COLUMNS, ThreeLaws};
-use haptic_cli::Failure;
+use cohold_cli::Failure;
 
 /// Length of the picture, s, and its frames.
 const LASTS_S: f64 = 12.0;

@@ -16,16 +16,16 @@
 
 use std::path::Path;
 
-use haptic_core::names::Choice as _;
-use haptic_live::recording::file::{Recording, Rows};
-use haptic_live::recording::mcap::{ERROR, LogLine};
-use haptic_live::recording::ticks::name_of;
-use haptic_report::numbered;
+use cohold_core::names::Choice as _;
+use cohold_live::recording::file::{Recording, Rows};
+use cohold_live::recording::mcap::{ERROR, LogLine};
+use cohold_live::recording::ticks::name_of;
+use cohold_report::numbered;
 use serde_json::{Value, json};
 
 use super::environment::{Column, MODES};
 use super::kinds::EnvironmentKind;
-use haptic_cli::Failure;
+use cohold_cli::Failure;
 
 /// Farthest in time that two rows are of one moment, ticks.
 const NEAR_TICKS: f64 = 3.0;

@@ -16,9 +16,9 @@ use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
 use std::time::{Duration, Instant};
 
-use haptic_live::endpoint::Stop;
-use haptic_sim::Laws;
-use haptic_sim::scene::Scene;
+use cohold_live::endpoint::Stop;
+use cohold_sim::Laws;
+use cohold_sim::scene::Scene;
 use serde_json::{Value, json};
 use tungstenite::{Error as Line, Message, WebSocket};
 
@@ -30,7 +30,7 @@ use super::orders;
 use super::partner::Model;
 use super::roles::Role;
 use super::web::{self, Site, hello};
-use haptic_cli::Failure;
+use cohold_cli::Failure;
 
 /// How often it is looked whether the program is to end.
 const LOOK: Duration = Duration::from_millis(50);

@@ -10,13 +10,13 @@
 //!
 //! Values go through the checks of a scene file. A key that names a file is refused: a page reads nothing of this machine.
 
-use haptic_core::settings::Settings;
-use haptic_sim::Laws;
-use haptic_sim::{scene::Scene, scenes};
-use haptic_studies::campaign::laws::SOLVED;
+use cohold_core::settings::Settings;
+use cohold_sim::Laws;
+use cohold_sim::{scene::Scene, scenes};
+use cohold_studies::campaign::laws::SOLVED;
 
 use super::session::PERIOD_S;
-use haptic_cli::Failure;
+use cohold_cli::Failure;
 
 /// The built-in scenes that are one click, with what the click is called and what it sets besides.
 pub(super) const CLICKS: [(&str, &str, &str); 7] = [

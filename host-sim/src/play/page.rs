@@ -5,15 +5,15 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use haptic_live::addresses;
-use haptic_live::endpoint::Stop;
-use haptic_live::recording::mcap::Channel;
-use haptic_live::recording::origin::Origin;
-use haptic_live::recording::recorder::Recorder;
-use haptic_live::watch;
-use haptic_report::Provenance;
-use haptic_sim::peers::Builds;
-use haptic_sim::{of_axes, scene::Scene};
+use cohold_live::addresses;
+use cohold_live::endpoint::Stop;
+use cohold_live::recording::mcap::Channel;
+use cohold_live::recording::origin::Origin;
+use cohold_live::recording::recorder::Recorder;
+use cohold_live::watch;
+use cohold_report::Provenance;
+use cohold_sim::peers::Builds;
+use cohold_sim::{of_axes, scene::Scene};
 
 use super::boards::Boards;
 use super::control_loop::{self, Kept, Recording};
@@ -27,8 +27,8 @@ use super::partner::Model;
 use super::remote::{End, Remote};
 use super::roles::Role;
 use super::web::{Site, hello};
-use haptic_cli::Failure;
-use haptic_cli::qr::Code;
+use cohold_cli::Failure;
+use cohold_cli::qr::Code;
 
 /// What a page shows.
 pub(crate) enum Shown {
@@ -117,7 +117,7 @@ impl Page {
                 let why = "both ends were told these settings: end both and start them with others";
                 (Some(end.to_string()), Some(why))
             }
-            Shown::Boards(_) => (None, Some("boards are told their settings by `host-sim board operator`")),
+            Shown::Boards(_) => (None, Some("boards are told their settings by `cohold board operator`")),
         };
         let mut site = Site::new(doors, hello(&scene, other, matches!(shown, Shown::Boards(_))))?;
         let kind = if let Shown::Here(kind) = &shown { *kind } else { EnvironmentKind::default() };
@@ -173,7 +173,7 @@ impl Page {
         });
         // What was shown is gone, and with it the other end of this.
         if let Some(recorder) = record.and_then(|record| Arc::into_inner(record.recorder)) {
-            haptic_io::say(recorder.finish().summary());
+            cohold_io::say(recorder.finish().summary());
         }
         // Windows ask 60 times a second: each sees that it is over, and closes.
         mailbox.lock().over = true;

@@ -2,8 +2,8 @@
 //!
 //! Its force is then that of any hand, a spring and a damper ([`super::hand`]).
 
-use haptic_core::names::Choice;
-use haptic_sim::user::minimum_jerk;
+use cohold_core::names::Choice;
+use cohold_sim::user::minimum_jerk;
 
 /// A kind of partner.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -9,13 +9,13 @@
 //! | `operator` | every order: settings, line, partner, Start, Stop, and what a page may say to a board |
 //! | `watch` | pictures only |
 
-use haptic_core::names::Choice;
-use haptic_live::key_file::entropy;
+use cohold_core::names::Choice;
+use cohold_live::key_file::entropy;
 
 use super::environment::Command;
-use haptic_cli::Failure;
+use cohold_cli::Failure;
 
-haptic_sim::choices! {
+cohold_sim::choices! {
     /// A role.
     Role {
         "hand1" => Hand1, "Holds hand 1.";

@@ -1,4 +1,4 @@
-//! The two peers with devices and hands, and the network between them: what [`haptic_sim::pair::Pair`] is in a run, with hands
+//! The two peers with devices and hands, and the network between them: what [`cohold_sim::pair::Pair`] is in a run, with hands
 //! that come and go, and settings that change in flight.
 //!
 //! **What a change does.** Keys of the network act at once, on what is sent from then on. Everything else is what a peer is configured with
@@ -12,20 +12,20 @@
 
 use std::array::from_fn;
 
-use haptic_core::num::Motion;
-use haptic_core::safety::{Command as Order, Fault};
-use haptic_core::settings::Refused;
-use haptic_sim::measure::port::ObjectPort;
-use haptic_sim::network::{link::Counts, link::Route, rule::Direction};
-use haptic_sim::pair::Pair;
-use haptic_sim::plant::Plant;
-use haptic_sim::{DynPeer, peers::Builds, scene::Scene};
+use cohold_core::num::Motion;
+use cohold_core::safety::{Command as Order, Fault};
+use cohold_core::settings::Refused;
+use cohold_sim::measure::port::ObjectPort;
+use cohold_sim::network::{link::Counts, link::Route, rule::Direction};
+use cohold_sim::pair::Pair;
+use cohold_sim::plant::Plant;
+use cohold_sim::{DynPeer, peers::Builds, scene::Scene};
 
 use super::environment::{ARMED, Command, Environment, Sample, Standing, number_of};
 use super::pair_columns::sample;
 use super::partner::{Model, Partner};
-use haptic_cli::Failure;
-use haptic_live::hand::Hand;
+use cohold_cli::Failure;
+use cohold_live::hand::Hand;
 
 /// Farthest that a device goes from the middle, m.
 pub(crate) const REACH_M: f64 = 0.12;

@@ -1,13 +1,13 @@
 //! A shared environment as a page has it: what all of them have in common, around the little in which they differ.
 
-use haptic_sim::engine::{Actor, Engine, Seat};
-use haptic_sim::network::{link::Route, rule::Direction};
-use haptic_sim::scene::Scene;
+use cohold_sim::engine::{Actor, Engine, Seat};
+use cohold_sim::network::{link::Route, rule::Direction};
+use cohold_sim::scene::Scene;
 
 use super::environment::{ARMED, Command, Environment, MOST, OFF, Sample, Standing};
 use super::partner::Model;
 use super::session::{PERIOD_S, same_but_for_network};
-use haptic_cli::Failure;
+use cohold_cli::Failure;
 
 /// Who holds a hand, and where.
 #[derive(Clone, Copy, Debug, PartialEq)]

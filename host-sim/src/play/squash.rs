@@ -3,17 +3,17 @@
 //! A person's pointer is where the hand is wanted, in a device's workspace, which is the court on a scale; the arm pulls the hand there
 //! with a limited force, damped by the round trip, and the racket hits what it meets when it is its turn. Who has let go stands.
 
-use haptic_environments::roles::squash::{Court, Message, PLAYERS, Phase, RALLIES, Server, ServerConfig};
-use haptic_environments::roles::{Carried as _, Role as _};
-use haptic_environments::said;
-use haptic_environments::squash::bot::{Contestant, Participant, SCALE};
-use haptic_protocol::wire::{self, PeerId};
-use haptic_sim::engine::{Actor, Engine, Out, Seat};
-use haptic_sim::{network::link::Route, rng::Rng, scene::Scene};
+use cohold_environments::roles::squash::{Court, Message, PLAYERS, Phase, RALLIES, Server, ServerConfig};
+use cohold_environments::roles::{Carried as _, Role as _};
+use cohold_environments::said;
+use cohold_environments::squash::bot::{Contestant, Participant, SCALE};
+use cohold_protocol::wire::{self, PeerId};
+use cohold_sim::engine::{Actor, Engine, Out, Seat};
+use cohold_sim::{network::link::Route, rng::Rng, scene::Scene};
 
 use super::environment::Column;
 use super::shared_environment::{Held, Play, engine};
-use haptic_cli::Failure;
+use cohold_cli::Failure;
 
 /// Number of players in the game.
 const COUNT: usize = 4;

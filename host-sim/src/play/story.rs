@@ -3,12 +3,12 @@
 //! The peers are those of a pair ([`super::session`]). The hands are the scene's users; a person's hand is added to them, and a partner is
 //! nobody's. When a peer has faulted everything stands as it was; another setting starts it anew, as *Start* does.
 
-use haptic_sim::{AXES, Laws, scene::Scene, scenes};
+use cohold_sim::{AXES, Laws, scene::Scene, scenes};
 
 use super::environment::{Command, Environment, Sample, Standing};
 use super::partner::Model;
 use super::session::Session;
-use haptic_cli::Failure;
+use cohold_cli::Failure;
 
 /// A scene, and what it is called with.
 pub(super) type Told = (&'static str, &'static [&'static str]);

@@ -7,14 +7,14 @@
 //!
 //! A lane in which a peer faults stands from then on, and says which peer and why; the others go on.
 
-use haptic_sim::{AXES, scene::Scene};
+use cohold_sim::{AXES, scene::Scene};
 
 use super::environment::{ARMED, Column, Command, Environment, MOST, OFF, Sample, Standing, joined};
 use super::orders::apply;
 use super::pair_columns;
 use super::partner::Model;
 use super::session::{PERIOD_S, Session, same_but_for_network};
-use haptic_cli::Failure;
+use cohold_cli::Failure;
 
 /// Number of lanes.
 const LANES: usize = 3;

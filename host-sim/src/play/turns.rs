@@ -4,21 +4,21 @@
 //! before sees the object go back to where it is for all. Hands that nobody holds are moved by bots: they come, carry it
 //! somewhere, and rest.
 
-use haptic_environments::roles::collaborative::ring;
-use haptic_environments::roles::collaborative::ring::{Record, Ring, Roster};
-use haptic_environments::roles::collaborative::{Approach, Lease, Value, Wish};
-use haptic_environments::roles::{Carried as _, Role as _};
-use haptic_environments::said;
-use haptic_environments::{roles::collaborative::lock, roles::collaborative::lock::Phase};
-use haptic_live::key_file::entropy;
-use haptic_protocol::wire::{Message, PeerId};
-use haptic_sim::engine::{Actor, Engine, Out, Seat};
-use haptic_sim::{network::link::Route, rng::Rng, scene::Scene};
+use cohold_environments::roles::collaborative::ring;
+use cohold_environments::roles::collaborative::ring::{Record, Ring, Roster};
+use cohold_environments::roles::collaborative::{Approach, Lease, Value, Wish};
+use cohold_environments::roles::{Carried as _, Role as _};
+use cohold_environments::said;
+use cohold_environments::{roles::collaborative::lock, roles::collaborative::lock::Phase};
+use cohold_live::key_file::entropy;
+use cohold_protocol::wire::{Message, PeerId};
+use cohold_sim::engine::{Actor, Engine, Out, Seat};
+use cohold_sim::{network::link::Route, rng::Rng, scene::Scene};
 
 use super::environment::Column;
 use super::session::PERIOD_S;
 use super::shared_environment::{Held, Play, engine};
-use haptic_cli::Failure;
+use cohold_cli::Failure;
 
 /// Number of users at the object.
 const USERS: usize = 3;

@@ -5,22 +5,22 @@
 
 use std::sync::OnceLock;
 
-use haptic_core::num::Motion;
-use haptic_environments::records::Shape;
-use haptic_environments::world::host::Host;
-use haptic_environments::world::stroke::HAND;
-use haptic_environments::world::visitor::{Correspondent, Setup, Visitor};
-use haptic_environments::world::{TICKS_PER_PACKET, World, corners, parse};
-use haptic_live::{hand::Hand, key_file::entropy};
-use haptic_protocol::key::Key;
-use haptic_sim::engine::{Actor, Engine, Out, Seat};
-use haptic_sim::{network::link::Route, scene::Scene};
+use cohold_core::num::Motion;
+use cohold_environments::records::Shape;
+use cohold_environments::world::host::Host;
+use cohold_environments::world::stroke::HAND;
+use cohold_environments::world::visitor::{Correspondent, Setup, Visitor};
+use cohold_environments::world::{TICKS_PER_PACKET, World, corners, parse};
+use cohold_live::{hand::Hand, key_file::entropy};
+use cohold_protocol::key::Key;
+use cohold_sim::engine::{Actor, Engine, Out, Seat};
+use cohold_sim::{network::link::Route, scene::Scene};
 use serde_json::{Value, json};
 
 use super::environment::Column;
 use super::session::PERIOD_S;
 use super::shared_environment::{Held, Play, engine};
-use haptic_cli::Failure;
+use cohold_cli::Failure;
 
 /// What there is to be felt, and the number of its server.
 const ROOM: &str = include_str!("../../sim/scenes/worlds/room.toml");
@@ -52,7 +52,7 @@ pub(super) const COLUMNS: [Column; 20] = [
 ];
 
 fn world() -> Result<&'static World, Failure> {
-    static READ: OnceLock<Result<Box<World>, haptic_environments::Error>> = OnceLock::new();
+    static READ: OnceLock<Result<Box<World>, cohold_environments::Error>> = OnceLock::new();
     Ok(READ.get_or_init(|| parse(ROOM, "scenes/worlds/room.toml")).as_deref()?)
 }
 

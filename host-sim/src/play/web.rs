@@ -33,12 +33,12 @@ use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
 
-use haptic_core::names::Choice as _;
-use haptic_core::safety::Fault;
-use haptic_core::settings::Allowed;
-use haptic_live::endpoint::stand_back;
-use haptic_sim::device::DeviceFault;
-use haptic_sim::scene::Scene;
+use cohold_core::names::Choice as _;
+use cohold_core::safety::Fault;
+use cohold_core::settings::Allowed;
+use cohold_live::endpoint::stand_back;
+use cohold_sim::device::DeviceFault;
+use cohold_sim::scene::Scene;
 use serde_json::{Value, json};
 use tungstenite::handshake::derive_accept_key;
 use tungstenite::protocol::frame::{CloseFrame, coding::CloseCode};
@@ -58,8 +58,8 @@ use super::orders::CLICKS;
 use super::partner::Model;
 use super::roles::{Keys, Rights, Role};
 use super::session::{PERIOD_S, REACH_M};
-use haptic_cli::qr::Code;
-use haptic_live::hand;
+use cohold_cli::qr::Code;
+use cohold_live::hand;
 
 pub(super) const FILES: &[(&str, &str, &str)] = &[
     ("/", "text/html; charset=utf-8", include_str!("site/index.html")),
@@ -129,7 +129,7 @@ pub(super) enum Answer {
 
 impl Site {
     /// The site at these doors, with fresh keys.
-    pub(super) fn new(doors: Doors, hello: Value) -> Result<Self, haptic_cli::Failure> {
+    pub(super) fn new(doors: Doors, hello: Value) -> Result<Self, cohold_cli::Failure> {
         Ok(Self { doors, keys: Keys::new()?, hello: Arc::new(hello), join: None, recording: None })
     }
 
@@ -149,7 +149,7 @@ impl Site {
     }
 
     /// Tells the operator's windows how a hand is taken on the local network; the code of that address.
-    pub(super) fn offer(&mut self, hand: Role) -> Result<Option<Code>, haptic_cli::Failure> {
+    pub(super) fn offer(&mut self, hand: Role) -> Result<Option<Code>, cohold_cli::Failure> {
         let Some(address) = self.address_by(Way::Lan, &[hand]) else { return Ok(None) };
         let code = Code::of(&address)?;
         let join = json!({ "address": address, "hand": hand as usize + 1, "side": code.side, "path": code.path() });
@@ -163,7 +163,7 @@ impl Site {
         listeners: Vec<(Way, TcpListener)>,
         mailbox: &Arc<Mailbox>,
         asks: SyncSender<Ask>,
-    ) -> Result<(), haptic_cli::Failure> {
+    ) -> Result<(), cohold_cli::Failure> {
         let connections = Arc::new(Connections::default());
         for (way, listener) in listeners {
             let (site, mailbox) = (self.clone(), Arc::clone(mailbox));

@@ -1,11 +1,11 @@
-//! `host-sim paper published`: numbers of the laws' own papers beside what the laws do here.
+//! `cohold paper published`: numbers of the laws' own papers beside what the laws do here.
 
 use clap::Args;
-use haptic_cli::{Failure, Ui};
+use cohold_cli::{Failure, Ui};
 
 use super::{columns, rows};
 
-haptic_cli::commands! {
+cohold_cli::commands! {
     /// Of the laws of other papers.
     pub(crate) Papers {
         /// Numbers of the laws' own papers beside what the laws do here.

@@ -2,25 +2,25 @@
 //!
 //! Errors: every function fails where its scene or its law cannot be built, run or judged.
 
-use haptic_analysis::tune::CONTACT;
-use haptic_analysis::{Effort, Hands, Range, limit};
-use haptic_core::law::{Coupled, Law, Observation, Packet};
-use haptic_core::names::Side;
-use haptic_core::num::Motion;
-use haptic_core::object::Port;
-use haptic_core::settings::Settings;
-use haptic_laws::model_mediated::ModelMediated;
-use haptic_laws::{EveryLaw, EveryLawState};
-use haptic_sim::measure::apparent_mass;
-use haptic_sim::measure::impedance::{RemoteEnd, felt};
-use haptic_sim::pair::Pair;
-use haptic_sim::run::{Options, run};
-use haptic_sim::scene::Scene;
-use haptic_sim::user::{Trace, User};
+use cohold_analysis::tune::CONTACT;
+use cohold_analysis::{Effort, Hands, Range, limit};
+use cohold_core::law::{Coupled, Law, Observation, Packet};
+use cohold_core::names::Side;
+use cohold_core::num::Motion;
+use cohold_core::object::Port;
+use cohold_core::settings::Settings;
+use cohold_laws::model_mediated::ModelMediated;
+use cohold_laws::{EveryLaw, EveryLawState};
+use cohold_sim::measure::apparent_mass;
+use cohold_sim::measure::impedance::{RemoteEnd, felt};
+use cohold_sim::pair::Pair;
+use cohold_sim::run::{Options, run};
+use cohold_sim::scene::Scene;
+use cohold_sim::user::{Trace, User};
 
-use haptic_studies::Error;
-use haptic_studies::campaign::laws::{asked_for, law_scene};
-use haptic_studies::reproduce::paper::{self, DURATION_S};
+use cohold_studies::Error;
+use cohold_studies::campaign::laws::{asked_for, law_scene};
+use cohold_studies::reproduce::paper::{self, DURATION_S};
 
 /// m_O of the bench, kg.
 pub(crate) const MASS_KG: f64 = 0.3;
@@ -45,7 +45,7 @@ const EACH_TICK: &str = "timing.ticks_per_packet=1";
 
 /// The scene in which the bench tries a law, at the gains that it declares, then with these settings.
 pub(crate) fn scene(law: &str, set: &[&str]) -> Result<Scene, Error> {
-    let laws = haptic_guest_laws::laws();
+    let laws = cohold_guest_laws::laws();
     let law = asked_for(laws, law)?[0];
     let set: Vec<String> = set.iter().map(|text| (*text).to_owned()).collect();
     law_scene(laws, law, None, &set)

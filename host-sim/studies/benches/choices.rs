@@ -1,22 +1,22 @@
 //! Instructions of every numerical choice, exactly: each is replayed under valgrind's callgrind, which counts nothing but
 //! the call.
 //!
-//! `cargo bench --package haptic-studies --bench choices` prints the table that `src/accuracy/instructions-x86-64.txt` holds: written over that
+//! `cargo bench --package cohold-studies --bench choices` prints the table that `src/accuracy/instructions-x86-64.txt` holds: written over that
 //! file, its difference in the commit is what changed. The program starts itself once under callgrind for every number type (`--replay SCALAR`);
 //! after each case [`case_done`] makes callgrind write what it counted. The same binary gives the same counts on every run.
 //!
 //! Counted: `measured_call` with everything it calls, so loading parameters, storing state and the call itself are in it;
-//! mean over the calls of a case. What is called and on which data, `haptic_cases` says.
+//! mean over the calls of a case. What is called and on which data, `cohold_cases` says.
 
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-use haptic_cases::{Case, Meter};
-use haptic_core::num::Fixed;
-use haptic_laws::EveryLaw;
-use haptic_studies::Error;
-use haptic_studies::accuracy::counts::SCALARS;
+use cohold_cases::{Case, Meter};
+use cohold_core::num::Fixed;
+use cohold_laws::EveryLaw;
+use cohold_studies::Error;
+use cohold_studies::accuracy::counts::SCALARS;
 
 /// What callgrind counts: `body`, in a function that it can find by its name.
 #[inline(never)]
@@ -42,9 +42,9 @@ impl Meter for Callgrind {
 /// The cases of the number type called `scalar`.
 fn cases_of(scalar: &str) -> Box<dyn Iterator<Item = Case>> {
     match scalar {
-        "f32" => Box::new(haptic_cases::all::<f32, EveryLaw<f32>, Callgrind>()),
-        "f64" => Box::new(haptic_cases::all::<f64, EveryLaw<f64>, Callgrind>()),
-        _ => Box::new(haptic_cases::all::<Fixed, EveryLaw<Fixed>, Callgrind>()),
+        "f32" => Box::new(cohold_cases::all::<f32, EveryLaw<f32>, Callgrind>()),
+        "f64" => Box::new(cohold_cases::all::<f64, EveryLaw<f64>, Callgrind>()),
+        _ => Box::new(cohold_cases::all::<Fixed, EveryLaw<Fixed>, Callgrind>()),
     }
 }
 
@@ -97,7 +97,7 @@ fn table() -> Result<String, Error> {
     }
     let mut text = format!(
         "# Instructions per call, x86-64, release build; tick/… per tick of a whole peer.\n\
-         # Counted by `cargo bench --package haptic-studies --bench choices`, which prints this table.\n\
+         # Counted by `cargo bench --package cohold-studies --bench choices`, which prints this table.\n\
          # {:<32} {:>7} {:>7} {:>7}\n",
         "case", SCALARS[0], SCALARS[1], SCALARS[2]
     );

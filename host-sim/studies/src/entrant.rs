@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use haptic_report::Provenance;
-use haptic_sim::peers::Laws;
-use haptic_sim::scene::Scene;
-use haptic_sim::scenes;
+use cohold_report::Provenance;
+use cohold_sim::peers::Laws;
+use cohold_sim::scene::Scene;
+use cohold_sim::scenes;
 
 use crate::Error;
 use crate::campaign::laws::law_scene;

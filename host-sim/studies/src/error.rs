@@ -5,19 +5,19 @@
 pub enum Error {
     /// A setting has a value that it does not accept.
     #[error(transparent)]
-    Setting(#[from] haptic_core::settings::Refused<'static>),
+    Setting(#[from] cohold_core::settings::Refused<'static>),
     /// A scene, a file or a value that is not allowed.
     #[error(transparent)]
-    Sim(#[from] haptic_sim::Error),
+    Sim(#[from] cohold_sim::Error),
     /// An analysis that could not be made.
     #[error(transparent)]
-    Analysis(#[from] haptic_analysis::Error),
+    Analysis(#[from] cohold_analysis::Error),
     /// A file of results that cannot be written.
     #[error(transparent)]
-    Report(#[from] haptic_report::Error),
+    Report(#[from] cohold_report::Error),
     /// Anything else, in a sentence.
     #[error("{0}")]
     Refused(String),
 }
 
-haptic_sim::sentences_are_refusals!(Error);
+cohold_sim::sentences_are_refusals!(Error);

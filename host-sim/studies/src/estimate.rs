@@ -1,6 +1,6 @@
 //! A mean over seeds, and how sure it is.
 
-use haptic_sim::student::student_95;
+use cohold_sim::student::student_95;
 
 /// A mean over seeds.
 #[derive(Clone, Copy, Debug, PartialEq)]

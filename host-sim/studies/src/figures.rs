@@ -1,7 +1,7 @@
 //! Pictures of runs: the cooperation paper's Figures 6–9, and one sheet for any scene.
 
-use haptic_plot::{Dash, Figure, Panel, Series, Shape, ShareY};
-use haptic_sim::run::Outcome;
+use cohold_plot::{Dash, Figure, Panel, Series, Shape, ShareY};
+use cohold_sim::run::Outcome;
 
 use super::reproduce::paper::Experiment;
 

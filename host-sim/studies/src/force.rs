@@ -10,18 +10,18 @@
 //!
 //! **Open loop** is calibrated: full duty is taken for what the supply drives through the cold winding at rest.
 //!
-//! What the delay costs is the stiffest contact that is stable: `host-sim stability limit --of contact.stiffness_n_per_m`.
+//! What the delay costs is the stiffest contact that is stable: `cohold stability limit --of contact.stiffness_n_per_m`.
 //!
 //! Units: N, Hz, degrees, N/m. Not in it: friction, cogging, an encoder.
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
-use haptic_core::device::current::{PWM_PERIOD_S, periods_per_tick};
-use haptic_core::device::kinematics::KinematicsName;
-use haptic_core::device::motor::Motor;
-use haptic_report::Columns;
-use haptic_sim::plant::Drive;
-use haptic_sim::scene::{DriveName, Scene};
+use cohold_core::device::current::{PWM_PERIOD_S, periods_per_tick};
+use cohold_core::device::kinematics::KinematicsName;
+use cohold_core::device::motor::Motor;
+use cohold_report::Columns;
+use cohold_sim::plant::Drive;
+use cohold_sim::scene::{DriveName, Scene};
 use rayon::prelude::*;
 
 use super::Error;

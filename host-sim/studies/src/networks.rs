@@ -5,13 +5,13 @@
 //! period.
 //!
 //! Both lists of the bench have bursts, jitter and a delay, none of them the same, and none of the constant delays of the test is longer
-//! than one that was tuned on. Three of the test are fitted to figures that were published ([`haptic_sim::network::fitted`]).
+//! than one that was tuned on. Three of the test are fitted to figures that were published ([`cohold_sim::network::fitted`]).
 
 use std::path::Path;
 use std::sync::Arc;
 
-use haptic_sim::network::rule::NetworkTrace;
-use haptic_sim::scene::{Scene, nearest};
+use cohold_sim::network::rule::NetworkTrace;
+use cohold_sim::scene::{Scene, nearest};
 
 use crate::Error;
 

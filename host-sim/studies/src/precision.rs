@@ -23,12 +23,12 @@
 
 use std::array::from_fn;
 
-use haptic_core::{names::Choice, num::Fixed, settings::Refused};
+use cohold_core::{names::Choice, num::Fixed, settings::Refused};
 
-use haptic_report::Columns;
-use haptic_sim::peers::Builds;
-use haptic_sim::run::AXIS_NAMES;
-use haptic_sim::{Plant, of_axes, pair, scene::Scene};
+use cohold_report::Columns;
+use cohold_sim::peers::Builds;
+use cohold_sim::run::AXIS_NAMES;
+use cohold_sim::{Plant, of_axes, pair, scene::Scene};
 
 /// Two peers at their own simulated devices, as in a run.
 type Pair<S, const SHARED: usize, const N: usize> = pair::Pair<S, Plant<N>, SHARED, N>;
@@ -57,7 +57,7 @@ pub struct Differences {
     pub force_n: f64,
 }
 
-haptic_sim::choices! {
+cohold_sim::choices! {
     /// Where a difference from f64 comes from.
     #[derive(PartialOrd, Ord)]
     Verdict {

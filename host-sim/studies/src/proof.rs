@@ -1,10 +1,10 @@
-//! Which laws keep their forces within the limits, for every number: [`haptic_proof`], law by law.
+//! Which laws keep their forces within the limits, for every number: [`cohold_proof`], law by law.
 
-use haptic_core::law::Law;
-use haptic_core::settings::Settings;
-use haptic_proof::{Proved, Whatever, prove_named};
-use haptic_report::Columns;
-use haptic_sim::Laws;
+use cohold_core::law::Law;
+use cohold_core::settings::Settings;
+use cohold_proof::{Proved, Whatever, prove_named};
+use cohold_report::Columns;
+use cohold_sim::Laws;
 
 /// A law, and what was proved of it.
 #[derive(Clone, Debug)]
@@ -73,7 +73,7 @@ pub fn report(table: &Columns) -> String {
 /// The proofs as a section of docs/laws.md.
 pub fn section(report: &str) -> String {
     format!(
-        "What `host-sim stability prove --page docs/laws.md` prints; every test run proves the same again (`host-sim/proof/tests/suite/laws.rs`):\n\n\
+        "What `cohold stability prove --page docs/laws.md` prints; every test run proves the same again (`host-sim/proof/tests/suite/laws.rs`):\n\n\
          ```text\n{report}\n```"
     )
 }

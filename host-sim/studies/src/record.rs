@@ -1,11 +1,11 @@
-//! Records what one peer of a scene reads, for [`haptic_cases::replay`] on another processor, and the hash of what it computes.
+//! Records what one peer of a scene reads, for [`cohold_cases::replay`] on another processor, and the hash of what it computes.
 
-use haptic_board_tools::calibrate::settings_file::plain;
-use haptic_cases::replay::{EXACT, EXCHANGE, PACKET, SEED, fold};
-use haptic_core::device::Reading;
-use haptic_core::settings::{Key, Settings};
-use haptic_sim::pair::{Pair, PeerTick};
-use haptic_sim::scene::Scene;
+use cohold_board_tools::calibrate::settings_file::plain;
+use cohold_cases::replay::{EXACT, EXCHANGE, PACKET, SEED, fold};
+use cohold_core::device::Reading;
+use cohold_core::settings::{Key, Settings};
+use cohold_sim::pair::{Pair, PeerTick};
+use cohold_sim::scene::Scene;
 
 use crate::Error;
 

@@ -5,8 +5,8 @@
 //! (Lawrence 1993 asks for both to be zero). Between the impedances with the far device held and alone, lies all that can be felt there: the
 //! **Z-width** (Colgate & Brown 1994). All in the world's units.
 //!
-//! Everything is found twice: in frequency from the matrices of the code that flies ([`haptic_analysis::answers`]), and in time from peers that
-//! run ([`haptic_sim::measure::impedance`]). A third are closed forms, at low frequencies: behind contacts, couplings and a wave line that is T
+//! Everything is found twice: in frequency from the matrices of the code that flies ([`cohold_analysis::answers`]), and in time from peers that
+//! run ([`cohold_sim::measure::impedance`]). A third are closed forms, at low frequencies: behind contacts, couplings and a wave line that is T
 //! long, a held device is a spring of 1/(2/K_LC + 2/K_T + T/b), and one that is alone a mass of all masses and b·T.
 //!
 //! **The largest stable impedance** is a wall without damping that the far device meets for good, judged in every mode at
@@ -14,11 +14,11 @@
 
 use std::f64::consts::TAU;
 
-use haptic_analysis::{answers, judge};
-use haptic_plot::{Dash, Figure, Panel, Series};
-use haptic_report::Columns;
-use haptic_sim::measure::impedance::{Answer, RemoteEnd, SPEED_M_PER_S, answer, frequencies_hz};
-use haptic_sim::scene::Scene;
+use cohold_analysis::{answers, judge};
+use cohold_plot::{Dash, Figure, Panel, Series};
+use cohold_report::Columns;
+use cohold_sim::measure::impedance::{Answer, RemoteEnd, SPEED_M_PER_S, answer, frequencies_hz};
+use cohold_sim::scene::Scene;
 use rayon::prelude::*;
 
 use super::Error;
@@ -128,7 +128,7 @@ fn delayed(scene: &Scene, round_trip_ms: f64) -> Result<Scene, Error> {
     let packets = 0.5 * round_trip_ms / packet_ms;
     if (packets - packets.round()).abs() > 1e-6 {
         let allowed = format!("it must be a multiple of {} ms", 2.0 * packet_ms);
-        return Err(haptic_sim::Error::not_allowed(format!("a round trip of {round_trip_ms} ms"), allowed).into());
+        return Err(cohold_sim::Error::not_allowed(format!("a round trip of {round_trip_ms} ms"), allowed).into());
     }
     delayed.set_number("network.one_way_delay_packets", packets.round())?;
     delayed.set_number("network.extra_delay_s", 0.0)?;
@@ -146,7 +146,7 @@ pub fn study(scene: &Scene, round_trips_ms: &[f64], done: &(dyn Fn() + Sync)) ->
     if scene.is_shared_along_several() {
         let shared = scene.peer.axis.shared;
         let allowed = "it must be 1: along several an impedance is a matrix, and this study tells of a number";
-        return Err(haptic_sim::Error::not_allowed(format!("axis.shared = {shared}"), allowed).into());
+        return Err(cohold_sim::Error::not_allowed(format!("axis.shared = {shared}"), allowed).into());
     }
     let cases = round_trips_ms.iter().flat_map(|round_trip_ms| [1, 2].map(|end| (*round_trip_ms, end)));
     let curve = |(round_trip_ms, end): (f64, usize)| {

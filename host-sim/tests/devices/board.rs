@@ -8,21 +8,21 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use haptic_core::device::{AXES, Reading};
-use haptic_core::num::Motion;
-use haptic_core::peer::{Actuators, Sensors};
-use haptic_emulators::hand::{HAND_N_PER_M, Hand};
-use haptic_live::endpoint::realtime_beneath;
-use haptic_live::key_file;
-use haptic_live::node::Node;
-use haptic_protocol::key::Role;
-use haptic_sim::Scene;
-use haptic_sim::device::Device;
+use cohold_core::device::{AXES, Reading};
+use cohold_core::num::Motion;
+use cohold_core::peer::{Actuators, Sensors};
+use cohold_emulators::hand::{HAND_N_PER_M, Hand};
+use cohold_live::endpoint::realtime_beneath;
+use cohold_live::key_file;
+use cohold_live::node::Node;
+use cohold_protocol::key::Role;
+use cohold_sim::Scene;
+use cohold_sim::device::Device;
 use serde_json::Value;
 
 use super::steps::steps;
 use super::{BUSY_S, LOSSY, Running, SILENT_S, largest_first_step, number, peer, relay, sets};
-use crate::program::{Keys, free, host_sim, report, signal};
+use crate::program::{Keys, cohold, free, report, signal};
 
 const TICK: Duration = Duration::from_millis(1);
 /// The board's own ladder: no force after so long without a packet, s.
@@ -108,7 +108,7 @@ pub(super) struct Lab {
 fn scene(set: &[&str]) -> Scene {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/board-device.toml");
     let set: Vec<String> = set.iter().map(|&setting| setting.to_owned()).collect();
-    Scene::load(haptic_guest_laws::laws(), Some(&file), &set).expect("a scene")
+    Scene::load(cohold_guest_laws::laws(), Some(&file), &set).expect("a scene")
 }
 
 impl Lab {
@@ -200,8 +200,7 @@ const HANDS: [&str; 6] = [
 fn pair(lab: &Lab, key: &str, seconds: &str, more: &[&str]) -> [Running; 2] {
     let [one, two] = [free(), free()];
     let live = |number, listen: &str, connect: &str| {
-        let mut command =
-            host_sim(&["peer", "--json", "--scene", "any-network", "--number", number, "--key-file", key]);
+        let mut command = cohold(&["peer", "--json", "--scene", "any-network", "--number", number, "--key-file", key]);
         command.args(["--listen", listen, "--connect", connect, "--seconds", seconds]).args(sets(&HANDS));
         command
     };
@@ -247,8 +246,7 @@ fn apart_mm(key: &str, first: &[String], meanwhile: impl FnOnce()) -> [f64; 2] {
     let (one, two, between) = (free(), free(), [free(), free()]);
     let lossy = relay("any-network", 68.0, &between, [&one, &two], sets(&LOSSY));
     let live = |number, listen: &str, connect: &str| {
-        let mut command =
-            host_sim(&["peer", "--json", "--scene", "any-network", "--number", number, "--key-file", key]);
+        let mut command = cohold(&["peer", "--json", "--scene", "any-network", "--number", number, "--key-file", key]);
         command
             .args(["--listen", listen, "--connect", connect, "--seconds", "8"])
             .args(sets(&LOSSY))
@@ -397,7 +395,7 @@ fn a_board_that_must_not_be_driven_is_refused_by_name() {
     let key = keys.file(0);
     let refusal = |flags: &[String], more: &[&str]| {
         let mut command = peer("any-network", "1", &free(), &free(), &key);
-        let output = command.args(flags).args(more).output().expect("host-sim runs");
+        let output = command.args(flags).args(more).output().expect("cohold runs");
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(!output.status.success(), "{said}");
         said

@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use haptic_emulators::Emulated as _;
-use haptic_emulators::motors::{Emulator, Fault};
+use cohold_emulators::Emulated as _;
+use cohold_emulators::motors::{Emulator, Fault};
 use serde_json::Value;
 
 use super::emulated::{self, fdcanusb};
@@ -195,7 +195,7 @@ fn motors_that_must_not_be_armed_are_refused_by_name() {
             None => flags.to_vec(),
         };
         let mut command = peer(scene, "1", &free(), &free(), &keys.file(0));
-        let output = command.args(flags).args(more).output().expect("host-sim runs");
+        let output = command.args(flags).args(more).output().expect("cohold runs");
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(!output.status.success(), "{said}");
         said

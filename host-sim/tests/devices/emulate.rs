@@ -1,17 +1,17 @@
-//! `host-sim devices emulate`: emulators as a user starts them, and peers that are given the words that these print.
+//! `cohold devices emulate`: emulators as a user starts them, and peers that are given the words that these print.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use super::steps::steps;
 use super::{BUSY_S, Running, number, peer};
-use crate::program::{Keys, free, host_sim, signal};
+use crate::program::{Keys, cohold, free, signal};
 
 /// The program, once it serves; the words by which it is attached.
 fn emulator(arguments: &[&str]) -> (Running, Vec<String>) {
     // It ends where the test does not come to end it, too.
     let whole = [&["devices", "emulate", "--json", "--seconds", "120"], arguments].concat();
-    let mut running = Running::start(host_sim(&whole));
+    let mut running = Running::start(cohold(&whole));
     running.until("orders since");
     let said = running.said();
     let words = said.lines().find(|line| line.trim_start().starts_with("--device ")).expect("the words");
@@ -65,11 +65,11 @@ fn motors_serve_at_a_place_and_leave_it() {
         for how in ["KILL", "INT"] {
             let (running, words) = emulator(&["moteus", "--at", &at]);
             assert_eq!(words[..2], ["--device".to_owned(), format!("moteus:{opens}")]);
-            let taken = host_sim(&["devices", "emulate", "mit", "--at", &opens]).output().expect("host-sim runs");
+            let taken = cohold(&["devices", "emulate", "mit", "--at", &opens]).output().expect("cohold runs");
             let said = String::from_utf8_lossy(&taken.stderr).into_owned();
-            let wanted = format!("host-sim: --at {opens} is not allowed: something is there already");
+            let wanted = format!("cohold: --at {opens} is not allowed: something is there already");
             assert!(taken.status.code() == Some(2) && said.contains(&wanted), "{said}");
-            let found = host_sim(&["devices", "--json", "--look-at", &opens]).output().expect("host-sim runs");
+            let found = cohold(&["devices", "--json", "--look-at", &opens]).output().expect("cohold runs");
             let found = String::from_utf8_lossy(&found.stdout).into_owned();
             assert!(found.contains("moteus 1 (24.0 V, 31 °C), moteus 2"), "{found}");
             signal(&running.child, how);
@@ -80,7 +80,7 @@ fn motors_serve_at_a_place_and_leave_it() {
     let own = file("own");
     std::fs::write(&own, "kept").expect("a file");
     for at in [own.clone(), format!("serial:{own}")] {
-        let refused = host_sim(&["devices", "emulate", "moteus", "--at", &at]).output().expect("host-sim runs");
+        let refused = cohold(&["devices", "emulate", "moteus", "--at", &at]).output().expect("cohold runs");
         assert_eq!(refused.status.code(), Some(2));
     }
     assert_eq!(std::fs::read_to_string(&own).expect("it is there"), "kept");
@@ -98,8 +98,8 @@ fn a_slip_is_told_in_one_sentence() {
         (&["inverse3", "--set", "user.1.wall_stiffness_n_per_m=100"], "a hand meets no wall here"),
         (&["inverse4"], "inverse4"),
     ] {
-        let run = host_sim(&["devices", "emulate"]).args(arguments).args(["--seconds", "1"]).output();
-        let run = run.expect("host-sim runs");
+        let run = cohold(&["devices", "emulate"]).args(arguments).args(["--seconds", "1"]).output();
+        let run = run.expect("cohold runs");
         let said = String::from_utf8_lossy(&run.stderr).into_owned();
         assert!(
             run.status.code() == Some(2) && said.contains(words) && said.lines().count() == 1,
@@ -112,9 +112,9 @@ fn a_slip_is_told_in_one_sentence() {
 #[test]
 fn motors_let_go_after_their_own_time() {
     let (device, words) = emulator(&["mit", "--lets-go-s", "0.1"]);
-    let mut asks = host_sim(&["devices", "--json", "--scene", "plane", "--distance-m", "0.02"]);
+    let mut asks = cohold(&["devices", "--json", "--scene", "plane", "--distance-m", "0.02"]);
     let asked = asks.args(&words).args(["--device-silent-s", "0.2"]).stdin(std::process::Stdio::null()).output();
-    let asked = asked.expect("host-sim runs");
+    let asked = asked.expect("cohold runs");
     let said = String::from_utf8_lossy(&asked.stderr).into_owned();
     assert!(said.contains("lets go within 100 ms"), "{said}");
     assert_eq!(number(&device.asked_to_end(), "orders"), 0.0, "nobody was there to move the hand");

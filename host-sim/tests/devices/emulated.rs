@@ -3,10 +3,10 @@
 use std::net::Ipv4Addr;
 use std::path::Path;
 
-use haptic_emulators::carrier::Place;
-use haptic_emulators::hand::Hand;
-use haptic_emulators::{inverse3, mit, moteus, motors};
-use haptic_live::endpoint::realtime_beneath;
+use cohold_emulators::carrier::Place;
+use cohold_emulators::hand::Hand;
+use cohold_emulators::{inverse3, mit, moteus, motors};
+use cohold_live::endpoint::realtime_beneath;
 
 /// Starts it in a thread with a real-time priority, which its own threads inherit: a device has a processor of its own.
 fn promptly<E: Send>(start: impl FnOnce() -> std::io::Result<E> + Send) -> E {

@@ -3,12 +3,12 @@
 use std::process::Command;
 use std::time::Duration;
 
-use haptic_emulators::inverse3::{Emulator, Fault};
+use cohold_emulators::inverse3::{Emulator, Fault};
 use serde_json::Value;
 
 use super::emulated::haply;
 use super::{BUSY_S, HAND_N_PER_M, Running, SILENT_S, mean, number, relay, sets};
-use crate::program::{Keys, free, host_sim, report, signal};
+use crate::program::{Keys, cohold, free, report, signal};
 
 const REACH_M: f64 = 0.015;
 const CONTACT_N_PER_M: f64 = 1000.0;
@@ -29,7 +29,7 @@ const HOLD_ON: [&str; 7] = [
 fn hub(keys: &Keys) -> (Running, String) {
     let address = free();
     let mut command =
-        host_sim(&["shared", "hub", "--json", "--scene", "any-network", "--users", "3", "--listen", &address]);
+        cohold(&["shared", "hub", "--json", "--scene", "any-network", "--users", "3", "--listen", &address]);
     command.args(["--seconds", "60", "--key-file", &keys.file(0)]);
     (Running::start(command), address)
 }
@@ -37,7 +37,7 @@ fn hub(keys: &Keys) -> (Running, String) {
 /// The peer on this line.
 fn on(keys: &Keys, line: u32, listen: &str, connect: &str) -> Command {
     let number = if line % 2 == 1 { "1" } else { "2" };
-    let mut command = host_sim(&["peer", "--json", "--scene", "any-network", "--number", number, "--listen", listen]);
+    let mut command = cohold(&["peer", "--json", "--scene", "any-network", "--number", number, "--listen", listen]);
     command.args(["--connect", connect, "--key-file", &keys.file(line), "--seconds", "60"]).args(sets(&HOLD_ON));
     command
 }
@@ -122,7 +122,7 @@ fn a_page_at_a_hub_has_a_device() {
     let keys = Keys::new("devices-hub-page", 3);
     let (hub, address) = hub(&keys);
     let emulator = haply(0.0);
-    let mut page = host_sim(&["play", "--scene", "any-network", "--join", &address, "--number", "1"]);
+    let mut page = cohold(&["play", "--scene", "any-network", "--join", &address, "--number", "1"]);
     page.args(["--key-file", &keys.file(1), "--seconds", "60"]).args(device(&emulator)).args(sets(&HOLD_ON));
     let mut page = Running::start(page);
     page.until("operator:");

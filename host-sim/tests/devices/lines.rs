@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::emulated::haply;
 use super::{Running, number};
-use crate::program::{free, host_sim};
+use crate::program::{cohold, free};
 
 const PAGE: &str = include_str!("../../../docs/devices.md");
 
@@ -41,7 +41,7 @@ fn folder(name: &str) -> PathBuf {
 /// The program of a line, its words changed so; what it reports is one JSON document.
 fn program(line: &str, folder: &Path, mut change: impl FnMut(&str) -> String) -> Command {
     let words = line.trim_end_matches('&').split_whitespace().skip(1).map(&mut change);
-    let mut command = host_sim(&["--json"]);
+    let mut command = cohold(&["--json"]);
     command.args(words).current_dir(folder);
     command
 }
@@ -100,9 +100,9 @@ fn two_inverse3s_hold_one_object_by_the_page_s_lines() {
     assert!(count <= 10, "{count} lines");
     let (devices, places) = ([haply(0.0), haply(0.0)], [free(), free()]);
     let mut peers = Vec::new();
-    for line in lines.iter().filter(|line| line.starts_with("host-sim ")) {
+    for line in lines.iter().filter(|line| line.starts_with("cohold ")) {
         if line.contains(" key ") {
-            assert!(program(line, &folder, str::to_owned).status().expect("host-sim runs").success());
+            assert!(program(line, &folder, str::to_owned).status().expect("cohold runs").success());
             continue;
         }
         let own = peers.len();

@@ -24,12 +24,12 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use haptic_emulators::hand::HAND_N_PER_M;
-use haptic_emulators::inverse3::{Emulator, Fault, HOLDS_S};
+use cohold_emulators::hand::HAND_N_PER_M;
+use cohold_emulators::inverse3::{Emulator, Fault, HOLDS_S};
 use serde_json::Value;
 
 use emulated::haply;
-use program::{Keys, free, host_sim, signal};
+use program::{Keys, cohold, free, signal};
 
 /// What the device has, in the place of the simulated one, the hand at it, for the verdict, and what the other hand does: it holds on.
 const SETTINGS: [&str; 8] = [
@@ -61,7 +61,7 @@ const TOO_BUSY_MS: f64 = 10.0;
 
 impl Running {
     fn start(mut command: Command) -> Self {
-        let mut child = command.spawn().expect("host-sim runs");
+        let mut child = command.spawn().expect("cohold runs");
         let said = Arc::new(Mutex::new(Vec::new()));
         let (stderr, lines): (ChildStderr, _) = (child.stderr.take().expect("kept"), said.clone());
         let reader = std::thread::spawn(move || {
@@ -115,7 +115,7 @@ impl Running {
 }
 
 fn peer(scene: &str, number: &str, listen: &str, connect: &str, key: &str) -> Command {
-    let mut command = host_sim(&["peer", "--json", "--scene", scene, "--number", number, "--key-file", key]);
+    let mut command = cohold(&["peer", "--json", "--scene", scene, "--number", number, "--key-file", key]);
     command.args(["--listen", listen, "--connect", connect]);
     command.args(sets(&SETTINGS));
     command
@@ -134,9 +134,9 @@ fn relay(
     [one, two]: [&str; 2],
     network: impl Iterator<Item = &'static str>,
 ) -> Child {
-    let mut command = host_sim(&["network", "relay", "--json", "--scene", scene, "--seconds", &seconds.to_string()]);
+    let mut command = cohold(&["network", "relay", "--json", "--scene", scene, "--seconds", &seconds.to_string()]);
     command.args(["--listen-1", &listen[0], "--listen-2", &listen[1], "--peer-1", one, "--peer-2", two]).args(network);
-    command.spawn().expect("host-sim runs")
+    command.spawn().expect("cohold runs")
 }
 
 /// Two peers, the first one at the emulated device, armed.
@@ -296,7 +296,7 @@ fn a_device_that_must_not_be_armed_is_refused_by_name() {
     let keys = Keys::new("devices-refused", 0);
     let refusal = |device: &str, more: &[&str]| {
         let mut command = peer("any-network", "1", &free(), &free(), &keys.file(0));
-        let output = command.args(["--device", device]).args(more).output().expect("host-sim runs");
+        let output = command.args(["--device", device]).args(more).output().expect("cohold runs");
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(!output.status.success(), "{said}");
         said

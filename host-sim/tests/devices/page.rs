@@ -2,12 +2,12 @@
 
 use std::time::Duration;
 
-use haptic_emulators::hand::HAND_N_PER_M;
-use haptic_emulators::inverse3::Fault;
+use cohold_emulators::hand::HAND_N_PER_M;
+use cohold_emulators::inverse3::Fault;
 
 use super::emulated::haply;
 use super::{BUSY_S, Running, SETTINGS, SILENT_S, mean, number, peer, sets};
-use crate::program::{Keys, free, host_sim, signal};
+use crate::program::{Keys, cohold, free, signal};
 
 /// How far the hand at the device reaches, m, and the scene's contact, N/m.
 const REACH_M: f64 = 0.02;
@@ -21,8 +21,7 @@ fn a_page_s_device_holds_an_object_and_lets_go() {
     let (keys, one, two) = (Keys::new("devices-page", 0), free(), free());
     let device = format!("haply:{}", emulator.at);
     let key = keys.file(0);
-    let mut page =
-        host_sim(&["play", "--scene", "any-network", "--listen", &one, "--key-file", &key, "--seconds", "60"]);
+    let mut page = cohold(&["play", "--scene", "any-network", "--listen", &one, "--key-file", &key, "--seconds", "60"]);
     page.args(["--device", &device, "--device-lets-go-s", "0.02", "--device-origin-m", "0,0,0"]);
     page.args(sets(&SETTINGS));
     let mut second = peer("any-network", "2", &two, &one, &key);
@@ -62,8 +61,7 @@ fn a_device_needs_one_peer_of_two() {
     let keys = Keys::new("devices-page-refused", 0);
     let (key, listen) = (keys.file(0), free());
     let refusal = |more: &[&str]| {
-        let output =
-            host_sim(&["play", "--seconds", "5", "--device", &device]).args(more).output().expect("host-sim runs");
+        let output = cohold(&["play", "--seconds", "5", "--device", &device]).args(more).output().expect("cohold runs");
         (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
     };
     let (code, said) = refusal(&[]);

@@ -1,4 +1,4 @@
-//! `host-sim devices`: what is attached, and the ten steps, with what they have to find.
+//! `cohold devices`: what is attached, and the ten steps, with what they have to find.
 
 use std::io::{BufRead, BufReader, Write};
 use std::net::{SocketAddr, TcpListener};
@@ -6,25 +6,25 @@ use std::process::{Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use haptic_emulators::hand::{Hand, STEP_S};
-use haptic_emulators::{Emulated as _, inverse3, motors};
+use cohold_emulators::hand::{Hand, STEP_S};
+use cohold_emulators::{Emulated as _, inverse3, motors};
 use serde_json::Value;
 
 use super::emulated::{self, fdcanusb, haply};
 use crate::program::built::built;
-use crate::program::{Keys, free, host_sim, report};
+use crate::program::{Keys, cohold, free, report};
 
 const DISTANCE_M: f64 = 0.02;
 
 /// Goes through the steps; the hand does what it is asked to. Whether all passed, the report, and what was said.
 pub(crate) fn steps(flags: &[String], more: &[&str], reach: impl Fn(f64)) -> (bool, Value, String) {
-    steps_of(host_sim(&[]), flags, more, reach)
+    steps_of(cohold(&[]), flags, more, reach)
 }
 
 /// As [`steps`], of this program.
 fn steps_of(mut command: Command, flags: &[String], more: &[&str], reach: impl Fn(f64)) -> (bool, Value, String) {
     command.args(["devices", "--json", "--distance-m", &DISTANCE_M.to_string(), "--device-silent-s", "0.2"]);
-    let mut child = command.args(flags).args(more).stdin(Stdio::piped()).spawn().expect("host-sim runs");
+    let mut child = command.args(flags).args(more).stdin(Stdio::piped()).spawn().expect("cohold runs");
     let (mut answers, asked) = (child.stdin.take().expect("kept"), child.stderr.take().expect("kept"));
     let mut said = String::new();
     for line in BufReader::new(asked).lines().map_while(Result::ok) {
@@ -55,8 +55,8 @@ fn a_good_device_passes_ten_steps() {
         println!("{said}");
         assert!(passed && told["passed"].as_array().map(Vec::len) == Some(10), "{said}\n{told}");
         // With the answers of a busy machine it may be unstable, which its exit status says; it runs all the same.
-        let ran = host_sim(&["cooperate", "--json", "--scene", &named, "--seconds", "0.1"]).output();
-        let ran: Value = serde_json::from_slice(&ran.expect("host-sim runs").stdout).expect("one JSON document");
+        let ran = cohold(&["cooperate", "--json", "--scene", &named, "--seconds", "0.1"]).output();
+        let ran: Value = serde_json::from_slice(&ran.expect("cohold runs").stdout).expect("one JSON document");
         assert!(ran["ticks"].as_f64() == Some(100.0), "{ran}");
     }
     let haply = haply(0.0);
@@ -104,8 +104,7 @@ fn what_is_wrong_with_a_device_is_found_by_its_step() {
 fn what_is_attached_is_listed() {
     let (bus, haply) = (fdcanusb(), haply(0.0));
     let (at, service) = (bus.at.display().to_string(), haply.at.to_string());
-    let told =
-        host_sim(&["devices", "--json", "--look-at", &at, "--look-at", &service]).output().expect("host-sim runs");
+    let told = cohold(&["devices", "--json", "--look-at", &at, "--look-at", &service]).output().expect("cohold runs");
     let told = String::from_utf8_lossy(&told.stdout).into_owned();
     for words in [
         format!("moteus:{at}"),
@@ -171,14 +170,14 @@ fn a_device_from_outside_is_tried_and_driven() {
         all.into_iter().map(str::to_owned).collect::<Vec<_>>()
     };
     let first = outside().args(args("1", &one, &two)).args(&flags).args(["--device-silent-s", "0.2"]).spawn();
-    let second = host_sim(&[]).args(args("2", &two, &one)).args(["--set", "user.2.push_n=0"]).spawn();
+    let second = cohold(&[]).args(args("2", &two, &one)).args(["--set", "user.2.push_n=0"]).spawn();
     let [first, second] = [first, second].map(|child| report(child.expect("it runs")));
     for live in [&first, &second] {
         assert_eq!((live["fault"].clone(), live["ticks"].as_f64()), (Value::Null, Some(4_000.0)), "{live}");
     }
     assert!(first["device"]["round_trip"]["samples"].as_f64().is_some_and(|samples| samples > 1_000.0), "{first}");
     // Nobody else knows it.
-    let unknown = host_sim(&["devices"]).args(&flags).output().expect("host-sim runs");
+    let unknown = cohold(&["devices"]).args(&flags).output().expect("cohold runs");
     assert!(
         !unknown.status.success() && String::from_utf8_lossy(&unknown.stderr).contains("--device handle"),
         "refused"

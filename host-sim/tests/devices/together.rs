@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::ends::{End, Kind};
 use super::{LOSSY, Running, number, peer, relay, sets};
-use crate::program::{Keys, free, host_sim, report, signal};
+use crate::program::{Keys, cohold, free, report, signal};
 
 /// Both hands as the emulators have them: one reaches, the other holds on; and what a person's hand is limited to at either end.
 const HANDS: [&str; 13] = [
@@ -68,8 +68,8 @@ fn hold(scene: &str, kinds: [Kind; 2]) {
     }
     assert!(at_first < -0.5 && at_second > 0.5, "{at_first} N and {at_second} N");
     // As long as any run of the simulator that has come to rest.
-    let mut simulated = host_sim(&["cooperate", "--json", "--scene", scene, "--seconds", "60"]);
-    let simulated = report(simulated.args(set()).spawn().expect("host-sim runs"));
+    let mut simulated = cohold(&["cooperate", "--json", "--scene", scene, "--seconds", "60"]);
+    let simulated = report(simulated.args(set()).spawn().expect("cohold runs"));
     let wanted_mm = number(&simulated, "true_discrepancy_mm");
     for (_, live, _) in &ended {
         let [apart_mm, error_mm] = ["true_discrepancy_mm", "true_discrepancy_error_mm"].map(|key| number(live, key));

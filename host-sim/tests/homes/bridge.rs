@@ -3,7 +3,7 @@
 use std::net::UdpSocket;
 use std::time::Duration;
 
-use super::loopback::{fresh, host_sim, meet};
+use super::loopback::{cohold, fresh, meet};
 use super::peers::{Running, Told, peer};
 
 /// A port that nobody has now.
@@ -14,7 +14,7 @@ fn port() -> u16 {
 
 fn key(name: &str) -> String {
     let file = fresh(&format!("bridge-{name}.key"));
-    assert!(host_sim().args(["key", "generate"]).arg(&file).output().expect("it runs").status.success());
+    assert!(cohold().args(["key", "generate"]).arg(&file).output().expect("it runs").status.success());
     file.to_str().expect("a name").to_owned()
 }
 
@@ -34,7 +34,7 @@ impl<'a> Beside<'a> {
     }
 
     fn bridge(&self) -> Running {
-        let mut command = host_sim();
+        let mut command = cohold();
         command.args(["board", "bridge", "--json-lines", "--board", &self.board, "--listen", &self.pc]);
         command.args(["--number", self.number, "--meet", self.place, "--key-file", self.key]);
         let bridge = Running::start(command);
@@ -44,7 +44,7 @@ impl<'a> Beside<'a> {
 
     fn plays_the_board(&self, seconds: u32) -> Running {
         let ends = ["--number", self.number, "--listen", &self.board, "--connect", &self.pc, "--key-file", self.key];
-        peer(host_sim(), seconds, &ends)
+        peer(cohold(), seconds, &ends)
     }
 }
 
@@ -61,7 +61,7 @@ fn a_board_and_a_peer_far_away_hold_one_object_and_a_stranger_beside_the_board_c
     let beside = Beside::new("1", &key, &place);
     let bridge = beside.bridge();
     let board = beside.plays_the_board(5);
-    let far = peer(host_sim(), 5, &["--number", "2", "--meet", &place, "--key-file", &key]);
+    let far = peer(cohold(), 5, &["--number", "2", "--meet", &place, "--key-file", &key]);
     let stranger = UdpSocket::bind("127.0.0.1:0").expect("a socket on loopback");
     for _ in 0..100 {
         stranger.send_to(&[3; 88], &beside.pc).expect("it is sent");
@@ -107,7 +107,7 @@ fn what_makes_no_bridge_is_refused_in_one_line() {
     let key = key("refused");
     let operator = fresh("bridge-operator.key");
     assert!(
-        host_sim().args(["key", "generate", "--operator"]).arg(&operator).output().expect("it runs").status.success()
+        cohold().args(["key", "generate", "--operator"]).arg(&operator).output().expect("it runs").status.success()
     );
     let operator = operator.to_str().expect("a name");
     let whole = |board, listen, key| {
@@ -120,12 +120,12 @@ fn what_makes_no_bridge_is_refused_in_one_line() {
         (whole("127.0.0.1", "127.0.0.1:0", operator), "operator"),
         (whole("127.0.0.1", "127.0.0.1:0", "none.key"), "none.key"),
     ] {
-        let output = host_sim().args(["board", "bridge"]).args(words).output().expect("it runs");
+        let output = cohold().args(["board", "bridge"]).args(words).output().expect("it runs");
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() == Some(2) && said.contains(says) && said.lines().count() == 1, "{said}");
     }
     let output =
-        host_sim().args(["board", "bridge", "--board", "127.0.0.1", "--key-file", &key, "--number", "3"]).output();
+        cohold().args(["board", "bridge", "--board", "127.0.0.1", "--key-file", &key, "--number", "3"]).output();
     let said = String::from_utf8_lossy(&output.expect("it runs").stderr).into_owned();
     assert!(said.contains("--number 3 is not allowed"), "{said}");
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use super::peers::HOST_SIM;
+use super::peers::COHOLD;
 
 fn read(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("meeting").join(name);
@@ -19,7 +19,7 @@ fn lines<'a>(text: &'a str, word: &str) -> Vec<&'a str> {
 fn serves(arguments: &[&str]) {
     let [all @ .., listen] = arguments else { panic!("no arguments") };
     let (address, _port) = listen.rsplit_once(':').expect("an address and a port");
-    let mut command = Command::new(HOST_SIM);
+    let mut command = Command::new(COHOLD);
     let output = command.args(all).args([&format!("{address}:0"), "--seconds", "0.2"]).output().expect("it runs");
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
 }
@@ -47,10 +47,10 @@ fn the_recipe_of_an_image_names_what_is_there_and_the_program_takes_what_it_is_g
     assert_eq!(of_it, None, "it is part of the repository and left out");
     // What is built is what is copied on, and what runs.
     let built = lines(&recipe, "RUN ")[0];
-    assert_eq!(built, format!("cargo build --locked --release --package {} --bin host-sim", env!("CARGO_PKG_NAME")));
+    assert_eq!(built, format!("cargo build --locked --release --package {} --bin cohold", env!("CARGO_PKG_NAME")));
     let placed = program.split_whitespace().collect::<Vec<_>>();
     let [_, from, to] = placed[..] else { panic!("{program}") };
-    assert_eq!((from, to), ("/src/target/release/host-sim", "/usr/local/bin/host-sim"));
+    assert_eq!((from, to), ("/src/target/release/cohold", "/usr/local/bin/cohold"));
     let list = |word: &str| serde_json::from_str::<Vec<String>>(lines(&recipe, word)[0]).expect("a list");
     let (entry, given) = (list("ENTRYPOINT "), list("CMD "));
     assert_eq!(entry[0], to);
@@ -63,6 +63,6 @@ fn the_recipe_of_an_image_names_what_is_there_and_the_program_takes_what_it_is_g
 fn the_unit_of_systemd_gives_the_program_what_it_takes() {
     let unit = read("meet.service");
     let words: Vec<&str> = lines(&unit, "ExecStart=")[0].split_whitespace().collect();
-    assert_eq!(words[0], "/usr/local/bin/host-sim");
+    assert_eq!(words[0], "/usr/local/bin/cohold");
     serves(&words[1..]);
 }

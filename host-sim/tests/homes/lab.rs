@@ -4,7 +4,7 @@
 use std::process::Command;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use super::peers::{HOST_SIM, Running, peer};
+use super::peers::{COHOLD, Running, peer};
 
 pub(crate) const PLACE: &str = "203.0.113.1:4000";
 /// The port that both peers use inside.
@@ -204,7 +204,7 @@ impl Lab {
 
     /// This program there.
     pub(crate) fn exec(&self, of: &str) -> Command {
-        self.program(of, HOST_SIM)
+        self.program(of, COHOLD)
     }
 
     /// The meeting place opens.

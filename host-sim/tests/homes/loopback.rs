@@ -3,14 +3,14 @@
 use std::path::PathBuf;
 use std::process::Command;
 
-use super::peers::{HOST_SIM, Running, peer};
+use super::peers::{COHOLD, Running, peer};
 
-pub(crate) fn host_sim() -> Command {
-    Command::new(HOST_SIM)
+pub(crate) fn cohold() -> Command {
+    Command::new(COHOLD)
 }
 
 pub(crate) fn meet(listen: &str) -> (Running, String) {
-    let mut command = host_sim();
+    let mut command = cohold();
     command.args(["meet", "--json", "--listen", listen]);
     let meet = Running::start(command);
     let line = meet.says("meeting place on");
@@ -31,15 +31,15 @@ fn a_link_is_all_that_the_other_side_needs_and_it_serves_once() {
     let (key, recordings) = (fresh("kept.key"), ["one", "two"].map(|name| fresh(&format!("{name}.mcap"))));
     let [kept, recorded, other] =
         [&key, &recordings[0], &recordings[1]].map(|path| path.to_str().expect("a name").to_owned());
-    let one = peer(host_sim(), 4, &["--invite", "--meet", &place, "--keep", &kept, "--record", &recorded]);
+    let one = peer(cohold(), 4, &["--invite", "--meet", &place, "--keep", &kept, "--record", &recorded]);
     let link = one.says("haptic://");
-    let two = peer(host_sim(), 4, &["--accept", &link, "--record", &other]);
+    let two = peer(cohold(), 4, &["--accept", &link, "--record", &other]);
     one.says("a key is agreed on");
     // Both read the same six digits to each other.
     let codes = [&one, &two].map(|end| end.says("code of this meeting: "));
     assert!(codes[0] == codes[1] && codes[0].len() == "code of this meeting: 123 456".len(), "{codes:?}");
     // Whoever has the link now has nothing.
-    let mut thief = host_sim();
+    let mut thief = cohold();
     thief.args(["peer", "--accept", &link]);
     let thief = Running::start(thief);
     thief.says("this link has been used");
@@ -61,13 +61,13 @@ fn a_link_is_all_that_the_other_side_needs_and_it_serves_once() {
     // A board takes it as it takes any (`cargo xtask provision` has its two keys made into this image).
     let (operator, image) = (fresh("kept-operator.key"), fresh("kept.bin"));
     assert!(
-        host_sim().args(["key", "generate", "--operator"]).arg(&operator).output().expect("it runs").status.success()
+        cohold().args(["key", "generate", "--operator"]).arg(&operator).output().expect("it runs").status.success()
     );
     let files = [key.as_os_str(), "--operator-key-file".as_ref(), operator.as_os_str(), image.as_os_str()];
-    let made = host_sim().args(["key", "image", "--key-file"]).args(files).output().expect("it runs");
+    let made = cohold().args(["key", "image", "--key-file"]).args(files).output().expect("it runs");
     assert!(made.status.success() && image.exists(), "{}", String::from_utf8_lossy(&made.stderr));
     let (table, paths) = (fresh("one.csv"), fresh("one-paths.csv"));
-    let mut convert = host_sim();
+    let mut convert = cohold();
     convert.args(["recording", "convert", &recorded]).arg(&table);
     fresh("one-exchanges.csv");
     fresh("one-log.csv");
@@ -81,7 +81,7 @@ fn a_link_is_all_that_the_other_side_needs_and_it_serves_once() {
         "{text}"
     );
     // The recordings of both homes have one clock, as on a LAN: this machine's, to within half of a round trip and some.
-    let merged = host_sim().args(["recording", "merge", "--json", &recorded, &other]).output().expect("it runs");
+    let merged = cohold().args(["recording", "merge", "--json", &recorded, &other]).output().expect("it runs");
     let merged: serde_json::Value = serde_json::from_slice(&merged.stdout).expect("JSON");
     let number = |name: &str| merged[name].as_f64().unwrap_or(f64::NAN);
     assert!(number("instants") > 2000.0 && number("largest_true_discrepancy_mm") < 5.0, "{merged}");
@@ -96,7 +96,7 @@ fn a_link_is_all_that_the_other_side_needs_and_it_serves_once() {
 #[test]
 fn a_link_that_was_replaced_shows_other_digits_at_each_end() {
     let (meet, place) = meet("127.0.0.1:0");
-    let ends = |more: &[&str]| peer(host_sim(), 1, more);
+    let ends = |more: &[&str]| peer(cohold(), 1, more);
     let (one, thief) = (ends(&["--invite", "--meet", &place]), ends(&["--invite", "--meet", &place]));
     let (link, replaced) = (one.says("haptic://"), thief.says("haptic://"));
     let (near, two) = (ends(&["--accept", &link]), ends(&["--accept", &replaced]));
@@ -112,7 +112,7 @@ fn a_wrong_link_is_refused_before_anything_is_sent() {
         ("haptic://127.0.0.1:9/aaaaaaaaaaaaaaaaaaaaaaaaaaaab", "a letter of this link is wrong"),
         ("https://127.0.0.1:9", "this is no link"),
     ] {
-        let mut command = host_sim();
+        let mut command = cohold();
         command.args(["peer", "--accept", link]);
         let output = command.output().expect("it runs");
         let said = String::from_utf8_lossy(&output.stderr);
@@ -125,9 +125,9 @@ fn two_with_a_key_file_meet_on_the_relay_and_outlive_its_restart() {
     let (first, place) = meet("127.0.0.1:0");
     let key = fresh("pair.key");
     let name = key.to_str().expect("a name");
-    assert!(host_sim().args(["key", "generate", name]).output().expect("it runs").status.success());
+    assert!(cohold().args(["key", "generate", name]).output().expect("it runs").status.success());
     let ends = ["1", "2"]
-        .map(|number| peer(host_sim(), 6, &["--number", number, "--meet", &place, "--key-file", name, "--relay-only"]));
+        .map(|number| peer(cohold(), 6, &["--number", number, "--meet", &place, "--key-file", name, "--relay-only"]));
     std::thread::sleep(std::time::Duration::from_secs(4));
     first.kill();
     let (second, again) = meet(&place);

@@ -13,11 +13,11 @@ use serde_json::Value;
 
 use super::devtools::{Browser, Window, drag, middle};
 use super::lab::{Lab, PLACE, Router};
-use super::peers::{HOST_SIM, Running};
+use super::peers::{COHOLD, Running};
 
 /// How a page and a recording call the paths, the longer before what it begins with.
 const PATHS: [&str; 6] = ["no path", "relayed", "direct, relay beside it", "LAN, relay beside it", "direct", "LAN"];
-/// How long two people behind routers hold it, s, where `HAPTIC_HOMES_S` does not say.
+/// How long two people behind routers hold it, s, where `COHOLD_HOMES_S` does not say.
 const SECONDS: f64 = 40.0;
 
 /// A new folder of one test.
@@ -46,10 +46,10 @@ struct Started {
 }
 
 impl Started {
-    fn new(mut host_sim: Command, folder: &Path, number: usize, more: &[&str]) -> Self {
+    fn new(mut cohold: Command, folder: &Path, number: usize, more: &[&str]) -> Self {
         let recording = folder.join(format!("{number}.mcap"));
-        host_sim.args(["play", "--json", "--record", text(&recording)]).args(more);
-        Self { play: Running::start(host_sim), recording }
+        cohold.args(["play", "--json", "--record", text(&recording)]).args(more);
+        Self { play: Running::start(cohold), recording }
     }
 
     /// In a browser that this shell starts.
@@ -111,7 +111,7 @@ impl Person {
         assert!(good, "{report}");
         let report = serde_json::from_str(&report).expect("one JSON document");
         let table = folder.join(format!("{number}.csv"));
-        let converted = Command::new(HOST_SIM).args(["recording", "convert", text(&recording)]).arg(&table).output();
+        let converted = Command::new(COHOLD).args(["recording", "convert", text(&recording)]).arg(&table).output();
         assert!(converted.expect("it runs").status.success());
         let rows = std::fs::read_to_string(folder.join(format!("{number}-paths.csv"))).expect("a table of paths");
         let mut lines = rows.lines();
@@ -191,7 +191,7 @@ fn hold(mut people: [Person; 2], folder: &Path, seconds: f64, mut meanwhile: imp
         eprintln!("{seen:?}, {}", ended.report["path"]);
     }
     let [one, two] = ended.each_ref().map(|ended| text(&ended.recording));
-    let merged = Command::new(HOST_SIM).args(["recording", "merge", "--json", one, two]).output().expect("it runs");
+    let merged = Command::new(COHOLD).args(["recording", "merge", "--json", one, two]).output().expect("it runs");
     let merged: Value = serde_json::from_slice(&merged.stdout).expect("JSON");
     let number = |name: &str| merged[name].as_f64().unwrap_or(f64::NAN);
     eprintln!("{merged}");
@@ -238,15 +238,15 @@ fn lossy(place: String, share: f64) -> String {
 #[test]
 fn two_people_hold_one_cube_by_a_lossy_relay_and_are_told_so() {
     let folder = folder("relay");
-    let mut command = Command::new(HOST_SIM);
+    let mut command = Command::new(COHOLD);
     command.args(["meet", "--listen", "127.0.0.1:0"]);
     let meet = Running::start(command);
     let line = meet.says("meeting place on");
     let place = lossy(line.split_whitespace().nth(3).expect("an address").to_owned(), 0.1);
-    let host_sim = || Command::new(HOST_SIM);
-    let one = Started::new(host_sim(), &folder, 1, &["--invite", "--meet", &place, "--relay-only"]);
+    let cohold = || Command::new(COHOLD);
+    let one = Started::new(cohold(), &folder, 1, &["--invite", "--meet", &place, "--relay-only"]);
     let link = one.play.says("haptic://");
-    let two = Started::new(host_sim(), &folder, 2, &["--accept", &link, "--relay-only"]);
+    let two = Started::new(cohold(), &folder, 2, &["--accept", &link, "--relay-only"]);
     let people = [(one, 1), (two, 2)].map(|(started, number)| started.opened(Command::new("sh"), &folder, number));
     for ended in hold(people, &folder, 5.0, |_| {}) {
         assert!(ended.recorded.iter().all(|path| path == "relayed" || path == "no path"), "{:?}", ended.recorded);
@@ -262,12 +262,12 @@ fn two_people_hold_one_cube_by_a_lossy_relay_and_are_told_so() {
 #[ignore = "needs root, ip and nft, and takes minutes: cargo xtask test --only homes"]
 fn two_people_in_two_homes_hold_one_cube_and_are_told_which_way_it_goes() {
     let folder = folder("two");
-    let seconds = std::env::var("HAPTIC_HOMES_S").map_or(SECONDS, |said| said.parse().expect("a time"));
+    let seconds = std::env::var("COHOLD_HOMES_S").map_or(SECONDS, |said| said.parse().expect("a time"));
     let mut lab = Lab::new([Router::Kept; 2], [false; 2]);
     lab.loses(1);
-    let one = Started::new(lab.program("a", HOST_SIM), &folder, 1, &["--invite", "--meet", PLACE]);
+    let one = Started::new(lab.program("a", COHOLD), &folder, 1, &["--invite", "--meet", PLACE]);
     let link = one.play.says("haptic://");
-    let two = Started::new(lab.program("b", HOST_SIM), &folder, 2, &["--accept", &link]);
+    let two = Started::new(lab.program("b", COHOLD), &folder, 2, &["--accept", &link]);
     let people = [(one, 1, "a"), (two, 2, "b")]
         .map(|(started, number, home)| started.opened(lab.program(home, "sh"), &folder, number));
     let mut is_cut = false;

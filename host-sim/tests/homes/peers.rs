@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-pub(crate) const HOST_SIM: &str = env!("CARGO_BIN_EXE_host-sim");
+pub(crate) const COHOLD: &str = env!("CARGO_BIN_EXE_cohold");
 /// Nothing takes longer to begin, however busy the machine is.
 const PATIENCE: Duration = Duration::from_secs(60);
 

@@ -5,18 +5,18 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use super::pages::folder;
-use super::peers::{HOST_SIM, Running};
+use super::peers::{COHOLD, Running};
 
 const PAGE: &str = include_str!("../../../docs/networks.md");
 /// What is printed, and what is run instead.
 const HERE: [(&str, &str); 4] =
     [("ADDRESS", "127.0.0.1"), ("-i 1ms", "-i 1ms -b 127.0.0.1:2112"), ("-d 5m", "-d 2s"), ("-c 30000", "-c 300")];
 
-/// The commands on the page from the one that begins like this to the next that is host-sim's, without remarks.
+/// The commands on the page from the one that begins like this to the next that is cohold's, without remarks.
 fn recipe(beginning: &str) -> Vec<String> {
     let commands = PAGE.lines().filter_map(|line| line.strip_prefix("    "));
     let from: Vec<&str> = commands.skip_while(|line| !line.starts_with(beginning)).collect();
-    let end = from.iter().position(|line| line.starts_with("host-sim")).expect("a command of host-sim");
+    let end = from.iter().position(|line| line.starts_with("cohold")).expect("a command of cohold");
     let bare = |line: &&str| line.split(" # ").next().unwrap_or(line).trim_end().to_owned();
     from[..=end].iter().map(bare).collect()
 }
@@ -26,7 +26,7 @@ fn command(printed: &str, folder: &Path) -> Command {
     let here = HERE.iter().fold(printed.to_owned(), |printed, (from, to)| printed.replace(from, to));
     let mut words = here.split(' ').filter(|word| !word.is_empty());
     let name = words.next().expect("a program");
-    let mut command = Command::new(if name == "host-sim" { HOST_SIM } else { name });
+    let mut command = Command::new(if name == "cohold" { COHOLD } else { name });
     command.args(words).current_dir(folder).stderr(Stdio::inherit());
     command
 }
@@ -37,7 +37,7 @@ fn runs(printed: &str, folder: &Path) -> String {
     let out = command(printed, folder).output().unwrap_or_else(|error| panic!("{printed}: {error}"));
     let said = String::from_utf8(out.stdout).expect("text");
     // 1 says that the copies came apart: over a machine that was busy meanwhile they may.
-    let most = i32::from(printed.starts_with("host-sim"));
+    let most = i32::from(printed.starts_with("cohold"));
     assert!(out.status.code().is_some_and(|code| code <= most), "{printed}: {}\n{said}", out.status);
     if let Some(file) = file {
         std::fs::write(folder.join(file), &said).expect("a file");

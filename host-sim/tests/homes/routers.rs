@@ -6,7 +6,7 @@ use std::process::Command;
 use std::time::Duration;
 
 use super::lab::{BESIDE, Lab, PLACE, Router};
-use super::peers::{HOST_SIM, Running, Told, peer};
+use super::peers::{COHOLD, Running, Told, peer};
 
 /// A packet each tick for so long.
 const SECONDS: u32 = 10;
@@ -15,7 +15,7 @@ const SECONDS: u32 = 10;
 fn key(name: &str) -> PathBuf {
     let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("homes-routers-{name}.key"));
     let _ = std::fs::remove_file(&path);
-    assert!(Command::new(HOST_SIM).args(["key", "generate"]).arg(&path).output().expect("it runs").status.success());
+    assert!(Command::new(COHOLD).args(["key", "generate"]).arg(&path).output().expect("it runs").status.success());
     path
 }
 

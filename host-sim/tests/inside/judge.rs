@@ -1,11 +1,11 @@
-use haptic_analysis::{MARGIN, judge};
-use haptic_sim::scenes;
+use cohold_analysis::{MARGIN, judge};
+use cohold_sim::scenes;
 
 use super::*;
 
 fn scene(name: &str, overrides: &[&str]) -> Scene {
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
-    scenes::find(haptic_guest_laws::laws(), Some(std::path::Path::new(name)), &overrides).expect("a scene")
+    scenes::find(cohold_guest_laws::laws(), Some(std::path::Path::new(name)), &overrides).expect("a scene")
 }
 
 /// THEORY §9: of the paper's gains only the passive wave's holds in every mode.

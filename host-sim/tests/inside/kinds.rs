@@ -1,11 +1,11 @@
-use haptic_sim::scenes;
+use cohold_sim::scenes;
 
 use super::*;
 use crate::play::environment::{ARMED, Command, OFF, Sample};
 
 /// The environment of a kind in the recommended scene over a network that loses and jitters.
 fn open(kind: EnvironmentKind) -> Box<dyn Environment> {
-    let mut scene = scenes::load(haptic_guest_laws::laws(), "any-network").expect("a scene");
+    let mut scene = scenes::load(cohold_guest_laws::laws(), "any-network").expect("a scene");
     for text in ["network.loss=0.1", "network.jitter=\"uniform\"", "network.jitter_s=0.01"] {
         scene.apply_override(text).expect("a key");
     }
@@ -139,7 +139,7 @@ fn turns_are_taken() {
 #[test]
 fn the_scene_says_along_how_many_axes() {
     let scene = |axes: u32| {
-        let scene = scenes::load(haptic_guest_laws::laws(), "any-network").expect("a scene");
+        let scene = scenes::load(cohold_guest_laws::laws(), "any-network").expect("a scene");
         let kind = [EnvironmentKind::Pair, EnvironmentKind::Plane, EnvironmentKind::Space][axes as usize - 1];
         (kind, kind.fitting(scene).expect("it fits"))
     };

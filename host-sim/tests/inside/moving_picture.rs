@@ -1,10 +1,10 @@
-use haptic_sim::scenes;
+use cohold_sim::scenes;
 
 use super::super::kinds::EnvironmentKind;
 use super::*;
 
 fn picture() -> String {
-    let scene = scenes::load(haptic_guest_laws::laws(), "any-network").expect("a scene");
+    let scene = scenes::load(cohold_guest_laws::laws(), "any-network").expect("a scene");
     moving_picture(&EnvironmentKind::BadNetwork.fitting(scene).expect("a scene")).expect("a picture")
 }
 

@@ -2,18 +2,18 @@
 
 use std::path::PathBuf;
 
-use haptic_live::recording::file::read;
-use haptic_live::recording::mcap::Channel;
-use haptic_live::recording::merge::COLUMNS;
-use haptic_live::recording::origin::Origin;
-use haptic_live::recording::recorder::Recorder;
-use haptic_live::recording::ticks;
+use cohold_live::recording::file::read;
+use cohold_live::recording::mcap::Channel;
+use cohold_live::recording::merge::COLUMNS;
+use cohold_live::recording::origin::Origin;
+use cohold_live::recording::recorder::Recorder;
+use cohold_live::recording::ticks;
 
 use super::*;
 
 /// A recording of these rows: channel, time in ms, numbers.
 fn recorded(name: &str, channels: Vec<Channel>, rows: &[(u16, u64, Vec<f64>)]) -> (PathBuf, Recording) {
-    let path = std::env::temp_dir().join(format!("haptic-opened-{name}-{}.mcap", std::process::id()));
+    let path = std::env::temp_dir().join(format!("cohold-opened-{name}-{}.mcap", std::process::id()));
     let _ = std::fs::remove_file(&path);
     let text = |text: &str| text.to_owned();
     let origin = Origin {
@@ -147,7 +147,7 @@ fn what_cannot_be_shown_says_why() {
     let row = vec![0.0; hub[0].fields.len()];
     let (path, recording) = recorded("hub", hub, &[(0, 0, row.clone()), (0, 1, row)]);
     let why = Opened::new(&path, &recording, None).expect_err("a hub").to_string();
-    assert!(why.contains("of a hub") && why.contains("haptic-opened-hub"), "{why}");
+    assert!(why.contains("of a hub") && why.contains("cohold-opened-hub"), "{why}");
     let (path, recording) = recorded("one", ticks::channels("peer_1", 1), &[(0, 0, tick(&[]))]);
     let why = Opened::new(&path, &recording, None).expect_err("one tick").to_string();
     assert!(why.contains("its times do not go on"), "{why}");

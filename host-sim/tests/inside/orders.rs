@@ -1,12 +1,12 @@
 use super::*;
 
 fn refused(line: &str) -> String {
-    apply(&Scene::new(haptic_guest_laws::laws()), line).expect_err(line).to_string()
+    apply(&Scene::new(cohold_guest_laws::laws()), line).expect_err(line).to_string()
 }
 
 #[test]
 fn orders_are_all_or_none() {
-    let scene = Scene::new(haptic_guest_laws::laws());
+    let scene = Scene::new(cohold_guest_laws::laws());
     assert!(refused("set network.loss=0.2 coordination.comm=nonsense").contains("coordination.comm"));
     let set = apply(&scene, "set network.loss=0.2 coordination.stiffness_n_per_m=310").expect("good");
     assert_eq!((set.world.network.loss, set.peer.coordination.stiffness_n_per_m), (0.2, 310.0));
@@ -42,7 +42,7 @@ fn real_time_is_a_millisecond() {
 /// Every click and every law is a scene that can be played; a saved scene is the scene again.
 #[test]
 fn clicks_laws_and_files_are_scenes() {
-    let mut scene = Scene::new(haptic_guest_laws::laws());
+    let mut scene = Scene::new(cohold_guest_laws::laws());
     for (name, built_in, keys) in CLICKS {
         scene = apply(&scene, format!("scene {built_in} {keys}").trim_end()).expect(name);
         for kind in scene.laws.all() {
@@ -65,7 +65,7 @@ fn one_way_s(scene: &Scene) -> f64 {
 /// one before.
 #[test]
 fn every_law_can_be_chosen_after_every_other() {
-    let begun = scenes::load(haptic_guest_laws::laws(), "any-network").expect("a scene");
+    let begun = scenes::load(cohold_guest_laws::laws(), "any-network").expect("a scene");
     for first in begun.laws.all() {
         let one = apply(&begun, &format!("law {}", first.name)).expect(first.name);
         for second in begun.laws.all() {
@@ -111,7 +111,7 @@ fn whatever_a_page_says_is_refused_or_can_be_played() {
         "[user.2]\ntrace = \"/dev/zero\"",
         "coordination.comm=",
     ];
-    let scene = Scene::new(haptic_guest_laws::laws());
+    let scene = Scene::new(cohold_guest_laws::laws());
     let mut random = 29_u64;
     let mut next = |below: usize| {
         random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

@@ -13,7 +13,7 @@ static ROWS: LazyLock<Vec<Row>> = LazyLock::new(|| rows().expect("measurements")
 #[test]
 fn every_law_has_a_number_of_its_paper() {
     let of = |name: &str| NUMBERS.iter().filter(|number| number.law == name).count();
-    let laws = haptic_guest_laws::laws();
+    let laws = cohold_guest_laws::laws();
     let missing: Vec<&str> = laws.all().iter().map(|law| law.name).filter(|name| of(name) == 0).collect();
     assert!(missing.is_empty(), "no number of the paper of {missing:?} in NUMBERS");
     let known = laws.all().iter().map(|law| of(law.name)).sum::<usize>();

@@ -1,12 +1,12 @@
-use haptic_live::verdict::{Measured, Verdict};
-use haptic_sim::scenes;
+use cohold_live::verdict::{Measured, Verdict};
+use cohold_sim::scenes;
 
 use super::*;
 
-type One = Remote<1, { haptic_sim::AXES }>;
+type One = Remote<1, { cohold_sim::AXES }>;
 
 fn pair(scene: &str, to: &str) -> [One; 2] {
-    ends([scene, to].map(|name| scenes::load(haptic_guest_laws::laws(), name).expect("a scene")))
+    ends([scene, to].map(|name| scenes::load(cohold_guest_laws::laws(), name).expect("a scene")))
 }
 
 fn ends<const SHARED: usize, const N: usize>([here, there]: [Scene; 2]) -> [Remote<SHARED, N>; 2]
@@ -109,7 +109,7 @@ fn other_settings_are_refused() {
 #[test]
 fn two_ends_hold_one_object_in_the_plane() {
     let plane = || {
-        let mut scene = scenes::load(haptic_guest_laws::laws(), "any-network").expect("a scene");
+        let mut scene = scenes::load(cohold_guest_laws::laws(), "any-network").expect("a scene");
         (scene.peer.axis.count, scene.peer.axis.shared) = (2, 2);
         scene
     };
@@ -130,14 +130,14 @@ fn two_ends_hold_one_object_in_the_plane() {
 /// Two ends meet on this machine: windows are told which path it is, and what the line can hold.
 #[test]
 fn windows_are_told_of_the_path_and_of_what_the_line_can_hold() {
-    let meet = haptic_homes::meet::Meet::open("127.0.0.1:0".parse().expect("an address")).expect("a socket");
+    let meet = cohold_homes::meet::Meet::open("127.0.0.1:0".parse().expect("an address")).expect("a socket");
     let meeting =
-        haptic_homes::carried::Meeting { place: meet.address(), relay_only: false, mapped: None, router: None };
-    let stop = haptic_live::endpoint::Stop::default();
+        cohold_homes::carried::Meeting { place: meet.address(), relay_only: false, mapped: None, router: None };
+    let stop = cohold_live::endpoint::Stop::default();
     std::thread::scope(|scope| {
         scope.spawn(|| meet.run(60.0, &stop));
         let mut ends = [1, 2].map(|number| {
-            let scene = scenes::load(haptic_guest_laws::laws(), "any-network").expect("a scene");
+            let scene = scenes::load(cohold_guest_laws::laws(), "any-network").expect("a scene");
             let end =
                 End::meeting(&meeting, Key::new([7; Key::LEN]), number, Some("012 345".into())).expect("a socket");
             One::new(scene, end).expect("an end")
@@ -168,7 +168,7 @@ fn windows_are_told_of_the_path_and_of_what_the_line_can_hold() {
 /// Two ends over whose line a judge finds their scene unstable.
 fn judged_unstable(unless: Option<&'static str>) -> [One; 2] {
     let key = || Key::new([7; Key::LEN]);
-    let scene = || scenes::load(haptic_guest_laws::laws(), "any-network").expect("a scene");
+    let scene = || scenes::load(cohold_guest_laws::laws(), "any-network").expect("a scene");
     let verdict = |measured: Measured| Verdict {
         one_way_ms: measured.one_way_s.map(|s| 1e3 * s),
         stable: Some(false),

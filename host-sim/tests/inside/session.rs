@@ -1,11 +1,11 @@
-use haptic_sim::scenes;
+use cohold_sim::scenes;
 
 use super::*;
 use crate::play::environment::{MOST, OFF};
 use crate::play::pair_columns::columns;
 
-fn session(name: &str, partner: Model) -> Session<1, { haptic_sim::AXES }> {
-    Session::new(scenes::load(haptic_guest_laws::laws(), name).expect("a scene"), partner).expect("a session")
+fn session(name: &str, partner: Model) -> Session<1, { cohold_sim::AXES }> {
+    Session::new(scenes::load(cohold_guest_laws::laws(), name).expect("a scene"), partner).expect("a session")
 }
 
 fn column(sample: &Sample, name: &str) -> f64 {
@@ -166,7 +166,7 @@ fn a_device_stays_within_its_travel() {
     let mut session = session("any-network", Model::Absent);
     let sample = carry(&mut session, 6000, Some(0.2));
     // Both ends push back: the devices hold one object.
-    let most = REACH_M + haptic_live::hand::STRENGTH / END_STIFFNESS;
+    let most = REACH_M + cohold_live::hand::STRENGTH / END_STIFFNESS;
     assert!((REACH_M..most).contains(&column(&sample, "device_1")), "{sample:?}");
 }
 
@@ -175,7 +175,7 @@ fn a_device_stays_within_its_travel() {
 #[test]
 fn each_axis_of_the_plane_is_one_axis() {
     let fitting = |axes: u32| {
-        let mut scene = scenes::load(haptic_guest_laws::laws(), "any-network").expect("a scene");
+        let mut scene = scenes::load(cohold_guest_laws::laws(), "any-network").expect("a scene");
         (scene.peer.axis.count, scene.peer.axis.shared) = (axes, axes);
         scene
     };

@@ -1,4 +1,4 @@
-use haptic_core::names::Choice as _;
+use cohold_core::names::Choice as _;
 
 use super::super::judge::edge;
 use super::super::kinds::EnvironmentKind;
@@ -10,7 +10,7 @@ fn column(sample: &Sample, name: &str) -> f64 {
 }
 
 fn told(story: &Told, keys: &[String]) -> Scene {
-    let mut scene = scene(haptic_guest_laws::laws(), story).expect("a scene");
+    let mut scene = scene(cohold_guest_laws::laws(), story).expect("a scene");
     keys.iter().for_each(|text| scene.apply_override(text).expect("a key"));
     scene
 }
@@ -78,7 +78,7 @@ fn past_the_edge_a_peer_faults() {
 /// A picture has its own scene, whatever the workshop's is.
 #[test]
 fn a_story_has_its_own_scene() {
-    let mut workshop = Scene::new(haptic_guest_laws::laws());
+    let mut workshop = Scene::new(cohold_guest_laws::laws());
     workshop.apply_override("network.loss=0.5").expect("a key");
     for (kind, name) in EnvironmentKind::ALL.iter().zip(EnvironmentKind::NAMES) {
         let fitting = kind.fitting(workshop.clone()).expect(name);

@@ -1,4 +1,4 @@
-use haptic_sim::scenes;
+use cohold_sim::scenes;
 
 use super::super::kinds::EnvironmentKind;
 use super::*;
@@ -7,7 +7,7 @@ use super::*;
 const TOGETHER_M: f64 = 0.02;
 
 fn open(keys: &[&str]) -> ThreeLaws {
-    let mut scene = scenes::load(haptic_guest_laws::laws(), "any-network").expect("a scene");
+    let mut scene = scenes::load(cohold_guest_laws::laws(), "any-network").expect("a scene");
     keys.iter().for_each(|text| scene.apply_override(text).expect("a key"));
     ThreeLaws::new(&EnvironmentKind::BadNetwork.fitting(scene).expect("a scene")).expect("three lanes")
 }

@@ -138,7 +138,7 @@ fn served() -> Served {
     // On a test's machine the local network is this machine, too.
     let (doors, listeners) = Doors::open(0, Some(Ipv4Addr::LOCALHOST)).expect("two ports");
     let port = doors.here;
-    let scene = Scene::new(haptic_guest_laws::laws());
+    let scene = Scene::new(cohold_guest_laws::laws());
     let mailbox = Arc::new(Mailbox::new(Model::Absent));
     let mut site = Site::new(doors, hello(&scene, None, false)).expect("a site");
     site.offer(Role::Hand2).expect("a code").expect("a way in");
@@ -152,7 +152,7 @@ impl Served {
         self.open_by(Way::Here, roles).expect("it is let in")
     }
 
-    fn open_by(&self, way: Way, roles: &[Role]) -> Result<WebSocket<TcpStream>, haptic_cli::Failure> {
+    fn open_by(&self, way: Way, roles: &[Role]) -> Result<WebSocket<TcpStream>, cohold_cli::Failure> {
         let stream = crate::play::measure::connect(&self.site.address_by(way, roles).expect("a way in"))?;
         Ok(WebSocket::from_raw_socket(stream, Side::Client, None))
     }

@@ -4,19 +4,19 @@ use std::collections::BTreeSet;
 use std::process::Command;
 use std::sync::LazyLock;
 
-use haptic_cases::{Meter, reach};
-use haptic_core::device::kinematics::five_bar::HOME_RAD;
-use haptic_core::device::kinematics::{KinematicsName, Maths};
-use haptic_core::device::velocity::VelocityName;
-use haptic_core::law::wave::Decode;
-use haptic_core::num::Scalar;
-use haptic_core::object::IntegratorName;
-use haptic_core::settings::{Choice, Settings};
-use haptic_sim::scenes;
-use haptic_studies::accuracy::counts::{Processor, parse};
-use haptic_studies::accuracy::filters::{Exact, Filter};
-use haptic_studies::accuracy::integrators::{Test, closed_form, energy_error, errors};
-use haptic_studies::accuracy::{
+use cohold_cases::{Meter, reach};
+use cohold_core::device::kinematics::five_bar::HOME_RAD;
+use cohold_core::device::kinematics::{KinematicsName, Maths};
+use cohold_core::device::velocity::VelocityName;
+use cohold_core::law::wave::Decode;
+use cohold_core::num::Scalar;
+use cohold_core::object::IntegratorName;
+use cohold_core::settings::{Choice, Settings};
+use cohold_sim::scenes;
+use cohold_studies::accuracy::counts::{Processor, parse};
+use cohold_studies::accuracy::filters::{Exact, Filter};
+use cohold_studies::accuracy::integrators::{Test, closed_form, energy_error, errors};
+use cohold_studies::accuracy::{
     Comparison, Family, continuous, decodes, estimators, families, filters, integrators, mechanisms, pair,
     pareto_front, rigid,
 };
@@ -203,8 +203,8 @@ fn times_stand_beside_the_errors() {
     let page = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("times.md");
     std::fs::write(&page, "before\n<!-- times begin -->\nold\n<!-- times end -->\nafter\n").expect("a page");
     let command = |arguments: &[&str]| {
-        let output = Command::new(env!("CARGO_BIN_EXE_host-sim")).args(["accuracy", "time"]).args(arguments).output();
-        let output = output.expect("host-sim runs");
+        let output = Command::new(env!("CARGO_BIN_EXE_cohold")).args(["accuracy", "time"]).args(arguments).output();
+        let output = output.expect("cohold runs");
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         String::from_utf8(output.stdout).expect("text")
     };
@@ -339,7 +339,7 @@ fn every_case_was_counted() {
         }
     }
     let names: BTreeSet<String> =
-        haptic_cases::all::<f32, haptic_laws::EveryLaw<f32>, Nothing>().map(|case| case.name).collect();
+        cohold_cases::all::<f32, cohold_laws::EveryLaw<f32>, Nothing>().map(|case| case.name).collect();
     for processor in PROCESSORS {
         let counted: BTreeSet<String> = parse(processor.reviewed()).into_keys().map(str::to_owned).collect();
         let (missing, stale) = (&names - &counted, &counted - &names);
@@ -354,7 +354,7 @@ fn every_case_was_counted() {
 /// The reach is the one of `scenes/person-reach.toml`, and its velocity is its slope.
 #[test]
 fn the_reach_is_the_persons() {
-    let [person, _] = scenes::load(haptic_guest_laws::laws(), "person-reach").expect("a built-in scene").users;
+    let [person, _] = scenes::load(cohold_guest_laws::laws(), "person-reach").expect("a built-in scene").users;
     for tick in 0..2000 {
         let (time_s, step_s) = (f64::from(tick) * 1e-3, 1e-6);
         let (hand, (position, velocity)) = (reach::hand(time_s), person.wanted(time_s));
@@ -369,11 +369,11 @@ fn the_command_says_everything() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("accuracy");
     let _ = std::fs::remove_dir_all(&folder);
     let start = std::time::Instant::now();
-    let output = Command::new(env!("CARGO_BIN_EXE_host-sim"))
+    let output = Command::new(env!("CARGO_BIN_EXE_cohold"))
         .args(["accuracy", "--json", "--out"])
         .arg(&folder)
         .output()
-        .expect("host-sim runs");
+        .expect("cohold runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let took = start.elapsed();
     crate::declared::has_columns_of("accuracy", &folder.join("accuracy.csv"));

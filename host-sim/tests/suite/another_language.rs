@@ -8,7 +8,7 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use crate::peers::{Running, Told};
-use crate::program::{Keys, free, host_sim, in_python, report};
+use crate::program::{Keys, cohold, free, in_python, report};
 use crate::static_scene::TWO_ROOMS;
 
 /// What the program in Python says for so many seconds.
@@ -65,10 +65,10 @@ fn a_peer_meets_it() {
     let (keys, own, other) = (Keys::new("python-peer", 0), free(), free());
     let key = keys.file(0);
     // A packet every 8 ms, which Python keeps up with.
-    let peer = host_sim(&["peer", "--json", "--number", "1", "--listen", &own, "--connect", &other, "--seconds", "8"])
+    let peer = cohold(&["peer", "--json", "--number", "1", "--listen", &own, "--connect", &other, "--seconds", "8"])
         .args(["--scene", "hub", "--key-file", &key])
         .spawn()
-        .expect("host-sim runs");
+        .expect("cohold runs");
     let python = report(python(&key, [2, 1], 0, [&other, &own], Says::Flow));
     was_there(&report(peer), &python);
 }
@@ -76,7 +76,7 @@ fn a_peer_meets_it() {
 #[test]
 fn a_hub_meets_two_of_it() {
     let (keys, hub, others) = (Keys::new("python-hub", 2), free(), [free(), free()]);
-    let running = host_sim(&[
+    let running = cohold(&[
         "shared",
         "hub",
         "--json",
@@ -90,7 +90,7 @@ fn a_hub_meets_two_of_it() {
         &keys.file(0),
     ])
     .spawn()
-    .expect("host-sim runs");
+    .expect("cohold runs");
     let one = python(&keys.file(1), [1, 2], 0, [&others[0], &hub], Says::Flow);
     let two = python(&keys.file(2), [2, 1], 0, [&others[1], &hub], Says::Flow);
     let (ends, hub) = ([one, two].map(report), report(running));
@@ -101,7 +101,7 @@ fn a_hub_meets_two_of_it() {
 fn a_server_gives_it_the_whole_world() {
     let (keys, address, other) = (Keys::new("python-server", 3), free(), free());
     let server = ["shared", "world", "serve", "--json", "--world", TWO_ROOMS, "--listen", &address, "--seconds", "8"];
-    let running = host_sim(&server).args(["--key-file", &keys.file(0)]).spawn().expect("host-sim runs");
+    let running = cohold(&server).args(["--key-file", &keys.file(0)]).spawn().expect("cohold runs");
     let (python, server) = (report(python(&keys.file(3), [0, 1], 3, [&other, &address], Says::Asks)), report(running));
     assert_eq!(python["confirmed"], true, "{python}");
     assert_eq!(
@@ -146,11 +146,11 @@ fn a_peer_is_not_moved_by_what_no_honest_end_says() {
     let [key, recording] = [keys.file(0), keys.0.join("run.mcap").display().to_string()];
     let table = keys.0.join("run.csv");
     let lasts = format!("{}", 6.0 + seconds.ceil());
-    let peer = host_sim(&["peer", "--json", "--quiet", "--number", "1", "--listen", &own, "--connect", &other])
+    let peer = cohold(&["peer", "--json", "--quiet", "--number", "1", "--listen", &own, "--connect", &other])
         .args(["--scene", "any-network", "--set", "timing.ticks_per_packet=8", "--seconds", &lasts])
         .args(["--key-file", &key, "--record", &recording])
         .spawn()
-        .expect("host-sim runs");
+        .expect("cohold runs");
     let python = python(&key, [2, 1], 0, [&other, &own], Says::Mutated(7, seconds));
     let (said, [early, most]) = watched(peer);
     let python = report(python);
@@ -159,9 +159,7 @@ fn a_peer_is_not_moved_by_what_no_honest_end_says() {
     // In the end nobody is there any more.
     assert!(said["fault"].as_str().is_none_or(|fault| fault.starts_with("fault 5:")), "{said}");
     assert!(most < early + 8_000_000, "{early} bytes, and then {most}");
-    assert!(
-        host_sim(&["recording", "convert", &recording]).arg(&table).output().expect("host-sim runs").status.success()
-    );
+    assert!(cohold(&["recording", "convert", &recording]).arg(&table).output().expect("cohold runs").status.success());
     let table = std::fs::read_to_string(table).expect("a table");
     let (names, rows) = table.split_once('\n').expect("a row of names");
     for column in ["device_m", "object_m", "decoded_m", "contact_n", "coordination_n"] {
@@ -177,7 +175,7 @@ fn a_peer_is_not_moved_by_what_no_honest_end_says() {
 fn a_hub_keeps_who_is_honest_from_who_is_not() {
     let (keys, hub, others, seconds) = (Keys::new("mutated-hub", 2), free(), [free(), free()], mutated_s());
     let lasts = format!("{}", 6.0 + seconds.ceil());
-    let running = host_sim(&[
+    let running = cohold(&[
         "shared",
         "hub",
         "--json",
@@ -192,7 +190,7 @@ fn a_hub_keeps_who_is_honest_from_who_is_not() {
     ])
     .stderr(Stdio::null())
     .spawn()
-    .expect("host-sim runs");
+    .expect("cohold runs");
     let wicked = python(&keys.file(1), [1, 2], 0, [&others[0], &hub], Says::Mutated(8, seconds));
     let honest = python(&keys.file(2), [2, 1], 0, [&others[1], &hub], Says::Flow);
     let (said, [early, most]) = watched(running);
@@ -205,14 +203,14 @@ fn a_hub_keeps_who_is_honest_from_who_is_not() {
 
 /// A meeting place on loopback, and its address.
 fn meeting_place() -> (Running, String) {
-    let meet = Running::start(host_sim(&["meet", "--listen", "127.0.0.1:0"]));
+    let meet = Running::start(cohold(&["meet", "--listen", "127.0.0.1:0"]));
     let place = meet.says("meeting place on").split_whitespace().nth(3).expect("an address").to_owned();
     (meet, place)
 }
 
 /// A peer for so many seconds, a packet every 8 ms, by the relay alone; `more` says whom it meets.
 fn meets(seconds: &str, more: &[&str]) -> Command {
-    let mut command = host_sim(&["peer", "--json-lines", "--anyway", "--relay-only", "--seconds", seconds]);
+    let mut command = cohold(&["peer", "--json-lines", "--anyway", "--relay-only", "--seconds", seconds]);
     command.args(["--patience-s", "30", "--set", "timing.ticks_per_packet=8"]).args(more);
     command
 }
@@ -239,7 +237,7 @@ fn a_thief_with_the_link_is_between_nobody_and_both_ends_are_told() {
     // He keeps the inviter from the meeting place until he has answered every offer, with all that he can make.
     inviter.signal("STOP");
     thief.says("sits where the inviter sat");
-    let invited = meets("30", &["--accept", &link]).stdin(Stdio::null()).spawn().expect("host-sim runs");
+    let invited = meets("30", &["--accept", &link]).stdin(Stdio::null()).spawn().expect("cohold runs");
     thief.says("has answered all offers");
     inviter.signal("CONT");
     inviter.says("warning: somebody else came with the link and was refused");
@@ -310,7 +308,7 @@ impl Board {
     /// A board with this lease. Its manner is how it takes a stop, and its path drops datagrams of these lengths: board.py says more.
     pub(crate) fn start(name: &str, manner: &str, drops: &[u16], lease_s: f64) -> Self {
         let key = Keys::new(name, 0).0.join("operator.key").display().to_string();
-        assert!(host_sim(&["key", "generate", &key, "--operator"]).status().expect("host-sim runs").success());
+        assert!(cohold(&["key", "generate", &key, "--operator"]).status().expect("cohold runs").success());
         let told = json!({ "key": key, "number": 2, "manner": manner, "drops": drops, "lease_s": lease_s });
         let running = Running::start(started("board.py", &told));
         let address = running.says("listens on ").trim_start_matches("listens on ").to_owned();
@@ -324,14 +322,14 @@ impl Board {
 
     /// The program that says these to it.
     fn operator(&self, lines: &[&str]) -> Command {
-        let mut command = host_sim(&["board", "operator"]);
+        let mut command = cohold(&["board", "operator"]);
         command.args(&self.reached).args(lines);
         command
     }
 
     /// What one run of the program that says these lines gives: its status, its answers, its errors.
     pub(crate) fn run(&self, lines: &[&str]) -> (Option<i32>, String, String) {
-        ended(self.operator(lines).spawn().expect("host-sim runs"))
+        ended(self.operator(lines).spawn().expect("cohold runs"))
     }
 
     /// Both it and its path are honest from now on.
@@ -383,14 +381,14 @@ fn a_stop_that_a_board_does_not_confirm_is_no_stop() {
     let stopping = ["deaf", "stuck", "stale", "late"].map(|manner| {
         let board = Board::start(&format!("python-board-{manner}"), manner, &[], 0.2);
         assert_eq!(board.run(&["arm alone"]), (Some(0), "ok armed alone\n".into(), String::new()), "{manner}");
-        let disarm = board.operator(&["disarm"]).spawn().expect("host-sim runs");
+        let disarm = board.operator(&["disarm"]).spawn().expect("cohold runs");
         (manner, board, disarm)
     });
     for (manner, board, disarm) in stopping {
         board.says("ignores the stop");
         let (status, said, why) = ended(disarm);
         assert_eq!((status, said.as_str(), why.lines().count()), (Some(2), "", 1), "{manner}: {why}");
-        assert!(why.starts_with("host-sim: stop not confirmed: press the stop at the board."), "{manner}: {why}");
+        assert!(why.starts_with("cohold: stop not confirmed: press the stop at the board."), "{manner}: {why}");
         board.heal();
         assert_eq!(board.run(&["disarm"]), (Some(0), "ok disarmed\n".into(), String::new()), "{manner}");
         let (did, turns) = board.end();
@@ -416,7 +414,7 @@ fn a_board_is_off_within_its_lease_when_the_program_is_killed() {
     std::thread::sleep(Duration::from_secs(3));
     killed.kill();
     board.says("motors off: lease");
-    let (status, said, why) = ended(recorded("ended.csv", "2").spawn().expect("host-sim runs"));
+    let (status, said, why) = ended(recorded("ended.csv", "2").spawn().expect("cohold runs"));
     assert_eq!((status, said.as_str()), (Some(0), "ok armed\n"), "{why}");
     board.says("motors off");
     let (did, turns) = board.end();

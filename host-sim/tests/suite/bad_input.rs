@@ -17,7 +17,7 @@ fn file(name: &str, text: &str) -> String {
 
 #[track_caller]
 fn refused(arguments: &[&str], names: &[&str]) {
-    let output = Command::new(env!("CARGO_BIN_EXE_host-sim")).args(arguments).output().expect("host-sim runs");
+    let output = Command::new(env!("CARGO_BIN_EXE_cohold")).args(arguments).output().expect("cohold runs");
     let error = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
     assert!(output.stdout.is_empty(), "{arguments:?} printed {}", String::from_utf8_lossy(&output.stdout));
@@ -139,7 +139,7 @@ fn traces() {
     let secret = "root:$6$salt:19000";
     for (csv, text) in [("shadow.csv", format!("{secret}\n0,0\n")), ("row.csv", format!("time_s,force_n\n{secret}\n"))]
     {
-        let error = haptic_sim::user::Trace::read(Path::new(&file(csv, &text))).expect_err("no trace").to_string();
+        let error = cohold_sim::user::Trace::read(Path::new(&file(csv, &text))).expect_err("no trace").to_string();
         assert!(error.contains(csv) && !error.contains("salt"), "{error}");
     }
     traced("empty.csv", "time_s,force_n\n", &["empty.csv", "no samples"]);
@@ -158,7 +158,7 @@ fn arguments() {
 #[test]
 fn live_peers_and_relays() {
     refused(&["network", "relay", "--listen-1", "nowhere", "--listen-2", "127.0.0.1:1"], &["nowhere"]);
-    refused(&["cooperate", "--record", "run.csv"], &["--record", "run.csv", ".mcap", "host-sim recording convert"]);
+    refused(&["cooperate", "--record", "run.csv"], &["--record", "run.csv", ".mcap", "cohold recording convert"]);
     let key = file("open.key", &"5a".repeat(32));
     let peer = ["peer", "--number", "1", "--listen", "127.0.0.1:0", "--connect", "127.0.0.1:9", "--key-file"];
     refused(&[&peer[..], &["/no/such.key"]].concat(), &["/no/such.key"]);

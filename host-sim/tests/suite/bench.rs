@@ -1,10 +1,10 @@
-//! `host-sim study bench` and `host-sim network measure` as a user runs them.
+//! `cohold study bench` and `cohold network measure` as a user runs them.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::declared::{declared, has_columns_of};
-use crate::program::{free, host_sim, report};
+use crate::program::{cohold, free, report};
 
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench").join(name);
@@ -40,7 +40,7 @@ fn anybody_s_law_on_anybody_s_network() {
     ];
     let [out_path, page_path, front_path] = [&out, &page, &front].map(|path| path.to_str().expect("UTF-8"));
     let places = ["--out", out_path, "--page", page_path, "--page", front_path];
-    let done = report(host_sim(&[&asked[..], &places].concat()).spawn().expect("host-sim runs"));
+    let done = report(cohold(&[&asked[..], &places].concat()).spawn().expect("cohold runs"));
     let points = done["points"].as_array().expect("points");
     assert_eq!((points[0]["law"].as_str(), points[0]["gains"].as_str()), (Some("p-plus-d"), Some("declared")));
     // Five motions over ten networks and the one that was measured.
@@ -65,12 +65,12 @@ fn anybody_s_law_on_anybody_s_network() {
     let modes = |line: &str| line.split(',').skip(6).take(2).map(str::to_owned).collect::<Vec<_>>();
     assert!(runs.lines().filter(|line| line.contains(",irtt,")).all(|line| modes(line) == ["1", ""]), "{runs}");
     let text = fs::read_to_string(&page).expect("the page");
-    assert!(text.starts_with("before\n") && text.ends_with("after\n") && !text.contains("old"), "{text}");
+    assert!(text.starts_with("before\n") && text.ends_with("after\n") && !text.contains("\nold\n"), "{text}");
     assert!(text.contains("p-plus-d") && folder.join("laws-bench.png").exists(), "{text}");
     let text = fs::read_to_string(&front).expect("the page");
     assert!(text.starts_with("before\n") && text.ends_with("after\n") && text.contains("under pushes"), "{text}");
     let quick = ["study", "bench", "--law", "p-plus-d", "--budget", "1", "--searches", "1", "--seeds", "1", "--page"];
-    let refused = host_sim(&quick).arg(&bare).output().expect("host-sim runs");
+    let refused = cohold(&quick).arg(&bare).output().expect("cohold runs");
     let said = String::from_utf8_lossy(&refused.stderr);
     assert!(refused.status.code() == Some(2) && said.contains("bench begin"), "{said}");
     assert!(declared("bench").iter().any(|[name, unit, _]| name == "led_peak_n" && unit == "N"));
@@ -84,7 +84,7 @@ fn what_cannot_be_benched_is_refused_by_name() {
         (&["study", "bench", "--budget", "0"], "--budget 0 is not allowed"),
         (&["network", "measure", "--to", "127.0.0.1:9"], "FILE"),
     ] {
-        let output = host_sim(arguments).output().expect("host-sim runs");
+        let output = cohold(arguments).output().expect("cohold runs");
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() == Some(2) && said.contains(says), "{arguments:?}: {said}");
     }
@@ -96,10 +96,10 @@ fn a_network_between_two_programs_is_measured() {
     let (folder, address) = (folder("measured"), free());
     let file = folder.join("mine.csv").display().to_string();
     let listen = ["network", "measure", "--listen", &address, "--seconds", "6", "--json"];
-    let listening = host_sim(&listen).spawn().expect("host-sim runs");
+    let listening = cohold(&listen).spawn().expect("cohold runs");
     std::thread::sleep(std::time::Duration::from_secs(1));
     let probe = ["network", "measure", "--to", &address, "--every-ms", "10", "--seconds", "1", "--json", &file];
-    let found = report(host_sim(&probe).spawn().expect("host-sim runs"));
+    let found = report(cohold(&probe).spawn().expect("cohold runs"));
     let listened = report(listening);
     assert_eq!(found["probes"]["sent"], 100);
     assert_eq!(found["probes"]["answered"], listened["answered"], "{found} {listened}");
@@ -108,8 +108,5 @@ fn a_network_between_two_programs_is_measured() {
     assert_eq!(fs::read_to_string(&file).expect("a trace").lines().count(), 1 + 2 * 100);
     let scene = ["cooperate", "--scene", "any-network", "--set", "user.1.push_n=1", "--seconds", "1", "--json"];
     let set = format!("network.trace={file}");
-    assert_eq!(
-        report(host_sim(&[&scene[..], &["--set", &set]].concat()).spawn().expect("host-sim runs"))["ticks"],
-        1000
-    );
+    assert_eq!(report(cohold(&[&scene[..], &["--set", &set]].concat()).spawn().expect("cohold runs"))["ticks"], 1000);
 }

@@ -1,29 +1,29 @@
-//! `host-sim recording columns`, the files that it tells of, and docs/columns.csv.
+//! `cohold recording columns`, the files that it tells of, and docs/columns.csv.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
-use haptic_board_tools::recording;
-use haptic_core::device::{encoder::Counts, motor::Duty};
-use haptic_core::num::Motion;
-use haptic_core::peer::Observed;
-use haptic_core::safety::Mode;
-use haptic_core::sample::{OfAxis, OfPeer, SAMPLE};
-use haptic_live::recording::mcap::Channel;
-use haptic_live::recording::origin::Origin;
-use haptic_live::recording::recorder::Recorder;
-use haptic_live::{recording::file::read, recording::ticks};
-use haptic_protocol::record::{self, Record};
-use haptic_report::files::write_parquet;
-use haptic_report::{Columns, Provenance};
-use haptic_sim::run::{Account, Accounts, Options, Ticked};
-use haptic_sim::scene::Scene;
+use cohold_board_tools::recording;
+use cohold_core::device::{encoder::Counts, motor::Duty};
+use cohold_core::num::Motion;
+use cohold_core::peer::Observed;
+use cohold_core::safety::Mode;
+use cohold_core::sample::{OfAxis, OfPeer, SAMPLE};
+use cohold_live::recording::mcap::Channel;
+use cohold_live::recording::origin::Origin;
+use cohold_live::recording::recorder::Recorder;
+use cohold_live::{recording::file::read, recording::ticks};
+use cohold_protocol::record::{self, Record};
+use cohold_report::files::write_parquet;
+use cohold_report::{Columns, Provenance};
+use cohold_sim::run::{Account, Accounts, Options, Ticked};
+use cohold_sim::scene::Scene;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use serde_json::Value;
 
 use crate::declared::{declared, has_columns_of};
-use crate::program::{host_sim, report};
+use crate::program::{cohold, report};
 
 /// An empty folder of this test's own.
 fn folder(name: &str) -> PathBuf {
@@ -38,7 +38,7 @@ fn run(folder: &Path, words: &str) -> Value {
     let folder = folder.display().to_string();
     let words: Vec<String> = words.split(' ').map(|word| word.replace("DIR", &folder)).collect();
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
-    report(host_sim(&[&words[..], &["--json"]].concat()).spawn().expect("host-sim runs"))
+    report(cohold(&[&words[..], &["--json"]].concat()).spawn().expect("cohold runs"))
 }
 
 /// The one file of the folder whose name begins and ends so.
@@ -70,21 +70,21 @@ fn parquet_says(kind: &str, file: &Path, but: Option<&str>) {
     }
 }
 
-/// This file of docs/ is what it should be; `HAPTIC_BLESS=1` writes it.
+/// This file of docs/ is what it should be; `COHOLD_BLESS=1` writes it.
 pub(crate) fn is_documented(file: &str, now: &[u8]) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs").join(file);
-    if std::env::var_os("HAPTIC_BLESS").is_some() {
+    if std::env::var_os("COHOLD_BLESS").is_some() {
         fs::write(&path, now).unwrap_or_else(|cause| panic!("docs/{file} cannot be written: {cause}"));
     }
     let documented = fs::read(&path).unwrap_or_else(|cause| panic!("docs/{file}: {cause}"));
-    assert!(documented == now, "docs/{file} is another; HAPTIC_BLESS=1 writes it");
+    assert!(documented == now, "docs/{file} is another; COHOLD_BLESS=1 writes it");
 }
 
-/// docs/columns.csv is what `host-sim recording columns --json` says, a line for each column of each kind of table. To write it anew:
-/// `HAPTIC_BLESS=1 cargo test -p host-sim --test suite -- columns::every_column`
+/// docs/columns.csv is what `cohold recording columns --json` says, a line for each column of each kind of table. To write it anew:
+/// `COHOLD_BLESS=1 cargo test -p cohold --test suite -- columns::every_column`
 #[test]
 fn every_column_has_a_meaning_and_a_line_of_the_documentation() {
-    let told = report(host_sim(&["recording", "columns", "--json"]).spawn().expect("host-sim runs"));
+    let told = report(cohold(&["recording", "columns", "--json"]).spawn().expect("cohold runs"));
     let mut lines = csv::Writer::from_writer(Vec::new());
     lines.write_record(["kind", "place", "row", "column", "unit", "meaning"]).expect("a line");
     let kinds = told.as_object().expect("kinds");
@@ -126,9 +126,9 @@ fn the_same_quantity_has_the_same_name() {
     assert!([live, board].iter().all(|columns| columns.contains(&("object_m_per_s".to_owned(), "m/s".to_owned()))));
 }
 
-/// [`haptic_core::sample::SAMPLE`] with one line more.
+/// [`cohold_core::sample::SAMPLE`] with one line more.
 mod more {
-    haptic_core::quantities! {
+    cohold_core::quantities! {
         27 spring_m "m" Steps: "x_d - x_o", |axis| axis.observed.desired.position - axis.observed.object.position;
     }
 }
@@ -193,7 +193,7 @@ fn a_quantity_more_is_one_line() {
 
     // Files say what it is.
     let (parquet, mcap) = (folder.join("run.parquet"), folder.join("ticks.mcap"));
-    write_parquet(&run, &parquet, "", haptic_io::Kind::Named).expect("a file");
+    write_parquet(&run, &parquet, "", cohold_io::Kind::Named).expect("a file");
     let reader = SerializedFileReader::new(File::open(parquet).expect("a file")).expect("Parquet");
     let about = reader.metadata().file_metadata().key_value_metadata().expect("metadata");
     let said = |key: &str| about.iter().find(|entry| entry.key == key).and_then(|entry| entry.value.as_deref());
@@ -240,7 +240,7 @@ fn a_run_writes_what_is_declared() {
     // What cannot be written leaves nothing that would be in the way of the next one.
     fs::create_dir(folder.join("taken.csv")).expect("a folder");
     let [from, to] = ["run.mcap", "taken.csv"].map(|name| folder.join(name).display().to_string());
-    let failed = host_sim(&["recording", "convert", &from, &to]).output().expect("host-sim runs");
+    let failed = cohold(&["recording", "convert", &from, &to]).output().expect("cohold runs");
     assert!(!failed.status.success() && !folder.join("taken.toml").exists(), "{failed:?}");
     run(&folder, "recording merge DIR/run.mcap DIR/apart.csv");
     has_columns_of("merge", &folder.join("apart.csv"));

@@ -5,7 +5,7 @@ use std::process::Command;
 use serde_json::Value;
 
 fn json(arguments: &[&str]) -> Value {
-    let output = Command::new(env!("CARGO_BIN_EXE_host-sim")).args(arguments).output().expect("host-sim runs");
+    let output = Command::new(env!("CARGO_BIN_EXE_cohold")).args(arguments).output().expect("cohold runs");
     let error = String::from_utf8_lossy(&output.stderr);
     assert!(matches!(output.status.code(), Some(0 | 1)), "{arguments:?}: {error}");
     let document: Value = serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else");
@@ -26,11 +26,11 @@ fn close(got: &Value, want: f64, relative: f64) {
 fn what_is_not_stable_ends_with_status_1_and_says_why() {
     let stiff = ["--json", "--set=coordination.comm=power", "--set=coordination.stiffness_n_per_m=2000"];
     for (command, says) in [
-        (&["cooperate", "--seconds=2", "--set=user.1.push_n=1"][..], "host-sim: peer 1 stopped at"),
-        (&["cooperate", "--seconds=0.1"], "host-sim: the scene is unstable: spectral radius 1.07"),
-        (&["stability", "point"], "host-sim: scene is unstable: spectral radius 1.232393"),
+        (&["cooperate", "--seconds=2", "--set=user.1.push_n=1"][..], "cohold: peer 1 stopped at"),
+        (&["cooperate", "--seconds=0.1"], "cohold: the scene is unstable: spectral radius 1.07"),
+        (&["stability", "point"], "cohold: scene is unstable: spectral radius 1.232393"),
     ] {
-        let output = Command::new(env!("CARGO_BIN_EXE_host-sim")).args(command).args(stiff).output().expect("it runs");
+        let output = Command::new(env!("CARGO_BIN_EXE_cohold")).args(command).args(stiff).output().expect("it runs");
         let error = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() == Some(1) && error.contains(says), "{command:?}: {error}");
         let document: Value = serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else");
@@ -139,12 +139,12 @@ fn a_scene_in_which_nobody_pushes_says_so() {
     assert!(warning.starts_with("nobody pushes: set user.1.push_n"), "{warning}");
 }
 
-/// `host-sim cooperate --keys | head -3`: quiet, and no success.
+/// `cohold cooperate --keys | head -3`: quiet, and no success.
 #[test]
 fn a_reader_that_goes_away_ends_the_program_quietly() {
     let (reader, writer) = std::io::pipe().expect("a pipe");
     drop(reader);
-    let output = Command::new(env!("CARGO_BIN_EXE_host-sim"))
+    let output = Command::new(env!("CARGO_BIN_EXE_cohold"))
         .args(["cooperate", "--keys"])
         .stdout(writer)
         .output()
@@ -284,7 +284,7 @@ fn a_stroke_around_an_object() {
 /// Every command has a line of its own in the help.
 #[test]
 fn commands_are_listed() {
-    let output = Command::new(env!("CARGO_BIN_EXE_host-sim")).arg("--help").output().expect("host-sim runs");
+    let output = Command::new(env!("CARGO_BIN_EXE_cohold")).arg("--help").output().expect("cohold runs");
     let help = String::from_utf8(output.stdout).expect("text");
     let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
     // What is further in goes on with the line above.
@@ -307,8 +307,8 @@ fn keys_scenes_and_completions_are_listed() {
     }
     assert!(json(&["shared", "world", "serve", "--keys", "--json"])[0]["unit"].is_string());
     for shell in ["bash", "zsh", "fish"] {
-        let output = Command::new(env!("CARGO_BIN_EXE_host-sim")).args(["--completions", shell]).output();
-        let script = String::from_utf8(output.expect("host-sim runs").stdout).expect("text");
+        let output = Command::new(env!("CARGO_BIN_EXE_cohold")).args(["--completions", shell]).output();
+        let script = String::from_utf8(output.expect("cohold runs").stdout).expect("text");
         assert!(script.contains("architectures") && script.contains("patience-s"), "{shell}");
     }
 }
@@ -360,10 +360,10 @@ fn an_unstable_scene_is_called_so_along_several_axes_too() {
 #[test]
 fn a_run_and_the_analyser_agree_on_leader_and_follower() {
     let page = include_str!("../../../docs/leader-follower.md");
-    let commands: Vec<&str> = page.lines().filter_map(|line| line.strip_prefix("    host-sim ")).take(2).collect();
+    let commands: Vec<&str> = page.lines().filter_map(|line| line.strip_prefix("    cohold ")).take(2).collect();
     let said = |command: &str| {
         let words: Vec<&str> = command.split_whitespace().collect();
-        let output = crate::program::host_sim(&words).arg("--json").output().expect("host-sim runs");
+        let output = crate::program::cohold(&words).arg("--json").output().expect("cohold runs");
         assert_eq!(output.status.code(), Some(0), "{command}: {}", String::from_utf8_lossy(&output.stderr));
         serde_json::from_slice::<Value>(&output.stdout).expect("one JSON document")
     };

@@ -13,11 +13,11 @@ fn the_command_refuses_what_makes_no_sense() {
         (&["--collision", "server", "--engine", "client"], "the engine must be at the server"),
         (&["--set", "contact.stifness_n_per_m=1"], "did you mean contact.stiffness_n_per_m?"),
     ] {
-        let command = std::process::Command::new(env!("CARGO_BIN_EXE_host-sim"))
+        let command = std::process::Command::new(env!("CARGO_BIN_EXE_cohold"))
             .args(["shared", "cooperative"])
             .args(arguments)
             .output();
-        let output = command.expect("host-sim runs");
+        let output = command.expect("cohold runs");
         let error = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
         assert!(output.stdout.is_empty() && error.contains(names) && error.trim_end().lines().count() == 1, "{error}");

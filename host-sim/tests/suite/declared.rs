@@ -1,14 +1,14 @@
-//! The columns that `host-sim recording columns` tells of, for every test that looks at a table.
+//! The columns that `cohold recording columns` tells of, for every test that looks at a table.
 
 use std::path::Path;
 
 use serde_json::Value;
 
-use crate::program::{host_sim, report};
+use crate::program::{cohold, report};
 
-/// The columns of a kind of table, as `host-sim recording columns` says: name, unit and meaning.
+/// The columns of a kind of table, as `cohold recording columns` says: name, unit and meaning.
 pub(crate) fn declared(kind: &str) -> Vec<[String; 3]> {
-    let told = report(host_sim(&["recording", "columns", kind, "--json"]).spawn().expect("host-sim runs"));
+    let told = report(cohold(&["recording", "columns", kind, "--json"]).spawn().expect("cohold runs"));
     let columns = told[kind]["columns"].as_array().expect("columns");
     let text = |column: &Value, field: &str| column[field].as_str().unwrap_or_default().to_owned();
     columns.iter().map(|column| ["column", "unit", "meaning"].map(|field| text(column, field))).collect()

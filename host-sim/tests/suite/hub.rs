@@ -5,16 +5,16 @@ use std::time::Duration;
 
 use serde_json::Value;
 
-use crate::program::{Keys, free, host_sim, report};
+use crate::program::{Keys, cohold, free, report};
 
 /// The peer on a line, whose user does this.
 fn peer(keys: &Keys, line: u32, hub: &str, user: &[&str], duration_s: &str) -> Child {
     let (number, key) = (if line % 2 == 1 { "1" } else { "2" }, keys.file(line));
-    host_sim(&["peer", "--json", "--scene", "hub", "--number", number, "--listen", "127.0.0.1:0"])
+    cohold(&["peer", "--json", "--scene", "hub", "--number", number, "--listen", "127.0.0.1:0"])
         .args(["--connect", hub, "--key-file", &key, "--seconds", duration_s])
         .args(user.iter().flat_map(|setting| ["--set", setting]))
         .spawn()
-        .expect("host-sim runs")
+        .expect("cohold runs")
 }
 
 fn number(document: &Value, key: &str) -> f64 {
@@ -27,10 +27,10 @@ fn three_processes_hold_one_object_and_one_of_them_restarts() {
     let keys = Keys::new("three", 3);
     let address = free();
     let hub =
-        host_sim(&["shared", "hub", "--json", "--users", "3", "--listen", &address, "--seconds", "7", "--key-file"])
+        cohold(&["shared", "hub", "--json", "--users", "3", "--listen", &address, "--seconds", "7", "--key-file"])
             .arg(keys.file(0))
             .spawn()
-            .expect("host-sim runs");
+            .expect("cohold runs");
     let first = peer(&keys, 1, &address, &["user.1.push_n=1", "user.1.sine_n=0.1"], "6");
     let second = peer(&keys, 2, &address, &["user.2.push_n=1"], "6");
     let mut third = peer(&keys, 3, &address, &[], "60");
@@ -76,11 +76,11 @@ fn processes_around_a_hub_share_a_plane() {
     let recording = keys.0.join("hub.mcap");
     let plane = ["axis.count=2", "axis.shared=2"];
     let hub =
-        host_sim(&["shared", "hub", "--json", "--users", "3", "--listen", &address, "--seconds", "3", "--key-file"])
+        cohold(&["shared", "hub", "--json", "--users", "3", "--listen", &address, "--seconds", "3", "--key-file"])
             .args([&keys.file(0), "--record", &recording.display().to_string(), "--patience-s", "20"])
             .args(plane.iter().flat_map(|setting| ["--set", setting]))
             .spawn()
-            .expect("host-sim runs");
+            .expect("cohold runs");
     let (status, error) = ended(peer(&keys, 3, &address, &[], "1"));
     // A peer of one axis has no such table: the hub has its name.
     assert!(
@@ -104,8 +104,8 @@ fn processes_around_a_hub_share_a_plane() {
         assert!(live["fault"] == Value::Null && number(live, "decoded_discrepancy_mm") < 1.0, "{live}");
     }
     let table = recording.with_extension("csv");
-    let converted = host_sim(&["recording", "convert", &recording.display().to_string()]).arg(&table).output();
-    assert!(converted.expect("host-sim runs").status.success());
+    let converted = cohold(&["recording", "convert", &recording.display().to_string()]).arg(&table).output();
+    assert!(converted.expect("cohold runs").status.success());
     let axes = hub["axes"].as_array().expect("axes");
     assert_eq!(axes.iter().map(|axis| &axis["axis"]).collect::<Vec<_>>(), ["x", "y"], "{hub}");
     // User 2 sits at the other end, and pushes the other way.
@@ -141,7 +141,7 @@ fn what_is_wrong_is_said_in_one_line() {
             "0 of 3 peers came within 0.1 s; nobody on line 1 (peer number 1), 2 (peer number 2), 3 (peer number 1)",
         ),
     ] {
-        let output = host_sim(&[&hub[..], arguments].concat()).output().expect("host-sim runs");
+        let output = cohold(&[&hub[..], arguments].concat()).output().expect("cohold runs");
         let error = String::from_utf8_lossy(&output.stderr);
         // What it does is said first, on the same stream.
         let said: Vec<&str> = error.trim_end().lines().filter(|line| !line.starts_with("hub for")).collect();
@@ -149,11 +149,11 @@ fn what_is_wrong_is_said_in_one_line() {
         assert!(output.stdout.is_empty() && error.contains(names) && said.len() == 1, "{arguments:?}: {error}");
     }
     // A peer with other settings.
-    let mut waiting = host_sim(&[&hub[..], &["--users", "2"]].concat()).spawn().expect("host-sim runs");
-    let other = host_sim(&["peer", "--scene", "hub", "--set", "object.mass_kg=0.5", "--number", "1"])
+    let mut waiting = cohold(&[&hub[..], &["--users", "2"]].concat()).spawn().expect("cohold runs");
+    let other = cohold(&["peer", "--scene", "hub", "--set", "object.mass_kg=0.5", "--number", "1"])
         .args(["--listen", "127.0.0.1:0", "--connect", &address, "--key-file", &keys.file(1)])
         .output()
-        .expect("host-sim runs");
+        .expect("cohold runs");
     let _ = waiting.kill();
     let _ = waiting.wait();
     let error = String::from_utf8_lossy(&other.stderr);
@@ -173,11 +173,11 @@ fn one_client_cannot_stop_a_hub() {
     let keys = Keys::new("stop", 3);
     let address = free();
     let hub =
-        host_sim(&["shared", "hub", "--json", "--users", "3", "--listen", &address, "--seconds", "3", "--key-file"])
+        cohold(&["shared", "hub", "--json", "--users", "3", "--listen", &address, "--seconds", "3", "--key-file"])
             .arg(keys.file(0))
             .args(["--patience-s", "20"])
             .spawn()
-            .expect("host-sim runs");
+            .expect("cohold runs");
     let third = peer(&keys, 3, &address, &["object.mass_kg=0.5"], "1");
     let (status, error) = ended(third);
     assert!(status == Some(2) && error.contains("told other parameters: table [object]"), "{error}");
@@ -212,15 +212,15 @@ fn one_client_cannot_stop_a_hub() {
 fn who_is_wrong_is_said_at_both_ends() {
     let (keys, others) = (Keys::new("told", 2), Keys::new("told-others", 1));
     let address = free();
-    let hub = host_sim(&["shared", "hub", "--users", "2", "--listen", &address, "--key-file", &keys.file(0)])
+    let hub = cohold(&["shared", "hub", "--users", "2", "--listen", &address, "--key-file", &keys.file(0)])
         .args(["--patience-s", "12"])
         .spawn()
-        .expect("host-sim runs");
+        .expect("cohold runs");
     let call = |number: &str, key: &str, to: &str| {
-        let peer = host_sim(&["peer", "--scene", "hub", "--number", number, "--listen", "127.0.0.1:0"])
+        let peer = cohold(&["peer", "--scene", "hub", "--number", number, "--listen", "127.0.0.1:0"])
             .args(["--connect", to, "--key-file", key, "--patience-s", "2", "--quiet"])
             .spawn();
-        let (status, error) = ended(peer.expect("host-sim runs"));
+        let (status, error) = ended(peer.expect("cohold runs"));
         assert!(status == Some(2) && error.trim_end().lines().count() == 1, "{error}");
         error
     };
@@ -230,10 +230,10 @@ fn who_is_wrong_is_said_at_both_ends() {
     assert!(error.contains(&format!("{address} has the number of this end")), "{error}");
     let error = call("1", &keys.file(1), "[::1]:7700");
     assert!(error.contains("[::1]:7700 cannot be reached from 127.0.0.1:") && error.contains("IPv6"), "{error}");
-    let own = host_sim(&["peer", "--scene", "hub", "--number", "1", "--listen", "0.0.0.0:7765"])
+    let own = cohold(&["peer", "--scene", "hub", "--number", "1", "--listen", "0.0.0.0:7765"])
         .args(["--connect", "127.0.0.1:7765", "--key-file", &keys.file(1), "--patience-s", "2"])
         .spawn();
-    let (status, error) = ended(own.expect("host-sim runs"));
+    let (status, error) = ended(own.expect("cohold runs"));
     assert!(status == Some(2) && error.contains("127.0.0.1:7765 is where this end listens itself"), "{error}");
     let (_, error) = ended(hub);
     assert!(error.contains("on no line: ") && error.contains("holds another key: give both ends"), "{error}");

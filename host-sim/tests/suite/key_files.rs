@@ -14,7 +14,7 @@ fn folder(name: &str) -> PathBuf {
 
 /// The program, started by a shell that has set a limit first.
 fn limited(limit: &str, arguments: &[&str]) -> Output {
-    let program = env!("CARGO_BIN_EXE_host-sim");
+    let program = env!("CARGO_BIN_EXE_cohold");
     let line = format!("trap '' XFSZ; ulimit {limit}; exec {program} {}", arguments.join(" "));
     Command::new("sh").args(["-c", &line]).output().expect("a shell")
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::program::{host_sim, report};
+use crate::program::{cohold, report};
 
 /// What is hard to read in print is smaller, points.
 const LEAST_PT: f64 = 6.0;
@@ -108,7 +108,7 @@ fn draw(commands: &[(&str, usize)], width: &[&str], apart: bool) {
         let _ = fs::remove_dir_all(&folder);
         let arguments: Vec<&str> = command.split(' ').collect();
         let out = ["--json", "--out", folder.to_str().expect("a name in UTF-8")];
-        report(host_sim(&[&arguments[..], width, &out].concat()).spawn().expect("host-sim runs"));
+        report(cohold(&[&arguments[..], width, &out].concat()).spawn().expect("cohold runs"));
         are_readable(&folder, *count, apart);
     }
 }

@@ -22,8 +22,8 @@ const SCENE: [&str; 8] = [
 ];
 const SECONDS: &str = "4";
 
-fn host_sim(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+fn cohold(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cohold"));
     command.args(arguments);
     command
 }
@@ -33,7 +33,7 @@ fn scene() -> Vec<&'static str> {
 }
 
 fn document(command: &mut Command) -> Value {
-    let output = command.output().expect("host-sim runs");
+    let output = command.output().expect("cohold runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else")
 }
@@ -45,13 +45,13 @@ fn folder(name: &str) -> PathBuf {
     std::fs::create_dir_all(&folder).expect("a folder");
     std::fs::write(folder.join("scene.toml"), "").expect("a scene");
     assert!(
-        host_sim(&["key", "generate"]).arg(folder.join("key")).stdout(Stdio::null()).status().expect("runs").success()
+        cohold(&["key", "generate"]).arg(folder.join("key")).stdout(Stdio::null()).status().expect("runs").success()
     );
     folder
 }
 
 fn peer(folder: &Path, number: &str, listen: &str, connect: &str) -> Child {
-    host_sim(&["peer", "--json", "--number", number, "--listen", listen, "--connect", connect])
+    cohold(&["peer", "--json", "--number", number, "--listen", listen, "--connect", connect])
         .args(["--seconds", SECONDS, "--key-file"])
         .arg(folder.join("key"))
         .arg("--scene")
@@ -60,7 +60,7 @@ fn peer(folder: &Path, number: &str, listen: &str, connect: &str) -> Child {
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
-        .expect("host-sim runs")
+        .expect("cohold runs")
 }
 
 fn report(peer: Child) -> Value {
@@ -116,10 +116,10 @@ fn a_priority_that_is_refused_is_said_at_the_start_with_the_remedy() {
     // Of root the right is taken; of another user only if he has it at all.
     let mut command = if may_run_in_real_time() {
         let mut command = Command::new("setpriv");
-        command.args(["--bounding-set=-sys_nice", "--inh-caps=-sys_nice", env!("CARGO_BIN_EXE_host-sim")]);
+        command.args(["--bounding-set=-sys_nice", "--inh-caps=-sys_nice", env!("CARGO_BIN_EXE_cohold")]);
         command
     } else {
-        Command::new(env!("CARGO_BIN_EXE_host-sim"))
+        Command::new(env!("CARGO_BIN_EXE_cohold"))
     };
     let mut peer = command
         .args(arguments)
@@ -143,7 +143,7 @@ fn two_processes_hold_what_the_run_in_memory_holds() {
     let [one, two] = [(); 2].map(|()| free());
     let peers = [peer(&folder, "1", &one, &two), peer(&folder, "2", &two, &one)];
     // Loopback takes no time, and what came is taken at the end of a packet period.
-    let mut memory = host_sim(&["cooperate", "--json", "--seconds", SECONDS]);
+    let mut memory = cohold(&["cooperate", "--json", "--seconds", SECONDS]);
     let memory = document(memory.args(scene()).args(["--set", "network.one_way_delay_packets=0"]));
     for live in peers.map(report) {
         compare(&live, &memory);
@@ -160,7 +160,7 @@ fn two_processes_hold_what_the_run_in_memory_holds() {
 fn the_readmes_pair_holds_wherever_it_is() {
     let folder = folder("readme");
     let readme = include_str!("../../../README.md");
-    let commands: Vec<&str> = readme.lines().filter_map(|line| line.trim().strip_prefix("host-sim peer ")).collect();
+    let commands: Vec<&str> = readme.lines().filter_map(|line| line.trim().strip_prefix("cohold peer ")).collect();
     let [first, second] = commands[..] else { panic!("README.md has two commands of a pair: {commands:?}") };
     let start = |command: &str, addresses: [&str; 2]| {
         let [own, other] = if command.contains("--number 1") { [0, 1] } else { [1, 0] }.map(|at| addresses[at]);
@@ -169,13 +169,13 @@ fn the_readmes_pair_holds_wherever_it_is() {
             let at = words.iter().position(|word| *word == option).expect("README.md names it");
             words[at + 1] = value;
         }
-        host_sim(&["peer", "--json", "--seconds", SECONDS])
+        cohold(&["peer", "--json", "--seconds", SECONDS])
             .args(words)
             .current_dir(&folder)
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
-            .expect("host-sim runs")
+            .expect("cohold runs")
     };
     let delays = [None, Some((2, 0.0)), Some((4, 0.0)), Some((6, 0.0)), Some((4, 0.003))];
     let pairs = delays.map(|delay| {
@@ -186,12 +186,12 @@ fn the_readmes_pair_holds_wherever_it_is() {
                 "network.jitter=uniform".to_owned(),
                 format!("network.jitter_s={jitter_s}"),
             ];
-            host_sim(&["network", "relay", "--json", "--seconds", "12", "--scene", "any-network"])
+            cohold(&["network", "relay", "--json", "--seconds", "12", "--scene", "any-network"])
                 .args(network.iter().flat_map(|setting| ["--set", setting]))
                 .args(["--listen-1", &for_one, "--listen-2", &for_two, "--peer-1", &one, "--peer-2", &two])
                 .stdout(Stdio::piped())
                 .spawn()
-                .expect("host-sim runs")
+                .expect("cohold runs")
         });
         let at = if relay.is_some() { [[&one, &for_one], [&for_two, &two]] } else { [[&one, &two], [&one, &two]] };
         (delay, relay, [start(first, at[0].map(String::as_str)), start(second, at[1].map(String::as_str))])
@@ -219,16 +219,16 @@ fn two_processes_share_a_plane_and_space() {
         let [one, two] = [(); 2].map(|()| free());
         let recording = folder.join(format!("{scene}.mcap")).display().to_string();
         let peer = |number: &str, listen: &str, connect: &str, more: &[&str]| {
-            host_sim(&["peer", "--json", "--scene", scene, "--seconds", SECONDS, "--number", number])
+            cohold(&["peer", "--json", "--scene", scene, "--seconds", SECONDS, "--number", number])
                 .args(["--listen", listen, "--connect", connect, "--key-file", &key])
                 .args(more)
                 .stdout(Stdio::piped())
                 .stderr(Stdio::piped())
                 .spawn()
-                .expect("host-sim runs")
+                .expect("cohold runs")
         };
         let peers = [peer("1", &one, &two, &[]), peer("2", &two, &one, &["--record", &recording])];
-        let memory = document(&mut host_sim(&["cooperate", "--json", "--scene", scene, "--seconds", SECONDS]));
+        let memory = document(&mut cohold(&["cooperate", "--json", "--scene", scene, "--seconds", SECONDS]));
         let number = |of: &Value, key: &str| of[key].as_f64().unwrap_or_else(|| panic!("{key} in {of}"));
         let lives = peers.map(report);
         for live in &lives {
@@ -254,8 +254,8 @@ fn two_processes_share_a_plane_and_space() {
         }
         // The rows of every axis: what pulls in the last half of them is what the report says.
         let table = folder.join(format!("{scene}.csv"));
-        let converted = host_sim(&["recording", "convert", &recording]).arg(&table).stdout(Stdio::null()).status();
-        assert!(converted.expect("host-sim runs").success());
+        let converted = cohold(&["recording", "convert", &recording]).arg(&table).stdout(Stdio::null()).status();
+        assert!(converted.expect("cohold runs").success());
         for axis in lives[1]["axes"].as_array().expect("axes") {
             let ending = match axis["axis"].as_str() {
                 Some("x") => String::new(),
@@ -281,13 +281,13 @@ fn another_number_of_shared_axes_is_told_at_both_ends() {
     let folder = folder("other-axes");
     let [one, two] = [(); 2].map(|()| free());
     let peer = |number: &str, scene: &str, listen: &str, connect: &str| {
-        host_sim(&["peer", "--number", number, "--scene", scene, "--listen", listen, "--connect", connect])
+        cohold(&["peer", "--number", number, "--scene", scene, "--listen", listen, "--connect", connect])
             .args(["--patience-s", "10", "--quiet", "--key-file"])
             .arg(folder.join("key"))
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
             .spawn()
-            .expect("host-sim runs")
+            .expect("cohold runs")
     };
     for (peer, other) in [(peer("1", "space", &one, &two), &two), (peer("2", "plane", &two, &one), &one)] {
         let output = peer.wait_with_output().expect("it ends");
@@ -304,14 +304,14 @@ fn an_end_of_another_version_is_named() {
     let folder = folder("another-version");
     let old = UdpSocket::bind("127.0.0.1:0").expect("a socket on loopback");
     let own = free();
-    let mut waiting = host_sim(&["peer", "--number", "1", "--listen", &own, "--patience-s", "1", "--connect"])
+    let mut waiting = cohold(&["peer", "--number", "1", "--listen", &own, "--patience-s", "1", "--connect"])
         .arg(old.local_addr().expect("its address").to_string())
         .arg("--key-file")
         .arg(folder.join("key"))
         .stdout(Stdio::null())
         .stderr(Stdio::piped())
         .spawn()
-        .expect("host-sim runs");
+        .expect("cohold runs");
     let mut hello = [0; 200];
     hello[..4].copy_from_slice(&[1, 1, 2, 1]);
     while waiting.try_wait().expect("a process").is_none() {
@@ -337,19 +337,19 @@ fn a_recorded_network_between_two_processes_is_the_one_in_memory() {
     let network = ["network.loss=0.1", "network.jitter=uniform", "network.jitter_s=0.006", "network.seed=3"];
     let network = network.iter().flat_map(|setting| ["--set", setting]);
     let recorded =
-        host_sim(&["network", "trace", "--seconds", "5"]).args(network).arg(&trace).stdout(Stdio::null()).status();
-    assert!(recorded.expect("host-sim runs").success());
+        cohold(&["network", "trace", "--seconds", "5"]).args(network).arg(&trace).stdout(Stdio::null()).status();
+    assert!(recorded.expect("cohold runs").success());
 
     let [one, two, for_one, for_two] = [(); 4].map(|()| free());
     let relay =
-        host_sim(&["network", "relay", "--json", "--seconds", "6", "--listen-1", &for_one, "--listen-2", &for_two])
+        cohold(&["network", "relay", "--json", "--seconds", "6", "--listen-1", &for_one, "--listen-2", &for_two])
             .args(["--peer-1", &one, "--peer-2", &two, "--trace", &trace])
             .stdout(Stdio::piped())
             .spawn()
-            .expect("host-sim runs");
+            .expect("cohold runs");
     let peers = [peer(&folder, "1", &one, &for_one), peer(&folder, "2", &two, &for_two)];
     let setting = format!("network.trace={trace}");
-    let mut memory = host_sim(&["cooperate", "--json", "--seconds", SECONDS]);
+    let mut memory = cohold(&["cooperate", "--json", "--seconds", SECONDS]);
     let memory = document(memory.args(scene()).args(["--set", &setting]));
     let lives = peers.map(report);
     let relayed = report(relay);
@@ -376,14 +376,14 @@ fn a_mismatch_of_settings_is_told_at_both_ends() {
     for wait_ms in [0, 400] {
         let [one, two] = [(); 2].map(|()| free());
         let peer = |number: &str, listen: &str, connect: &str, more: &[&str]| {
-            host_sim(&["peer", "--number", number, "--listen", listen, "--connect", connect, "--patience-s", "10"])
+            cohold(&["peer", "--number", number, "--listen", listen, "--connect", connect, "--patience-s", "10"])
                 .arg("--key-file")
                 .arg(folder.join("key"))
                 .args(more)
                 .stdout(Stdio::null())
                 .stderr(Stdio::piped())
                 .spawn()
-                .expect("host-sim runs")
+                .expect("cohold runs")
         };
         let first = peer("1", &one, &two, &[]);
         std::thread::sleep(std::time::Duration::from_millis(wait_ms));
@@ -407,7 +407,7 @@ fn two_of_one_number_and_two_with_different_keys_are_told_apart() {
     ] {
         let [one, two] = [(); 2].map(|()| free());
         let peer = |at: usize, listen: &str, connect: &str| {
-            host_sim(&[
+            cohold(&[
                 "peer",
                 "--number",
                 numbers[at],
@@ -424,7 +424,7 @@ fn two_of_one_number_and_two_with_different_keys_are_told_apart() {
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
             .spawn()
-            .expect("host-sim runs")
+            .expect("cohold runs")
         };
         for (peer, other) in [(peer(0, &one, &two), &two), (peer(1, &two, &one), &one)] {
             let output = peer.wait_with_output().expect("it ends");
@@ -469,7 +469,7 @@ impl Tick {
     /// The armed ticks of a recording.
     fn read(recording: &Path) -> Vec<Self> {
         let table = recording.with_extension("csv");
-        let converted = document(host_sim(&["recording", "convert", "--json"]).arg(recording).arg(&table));
+        let converted = document(cohold(&["recording", "convert", "--json"]).arg(recording).arg(&table));
         assert_eq!(converted["lost"], 0, "{converted}");
         let text = std::fs::read_to_string(&table).expect("a table");
         let (names, rows) = text.split_once('\n').expect("a row of names");
@@ -489,9 +489,9 @@ impl Tick {
 fn leader_and_follower(folder: &Path, keys: &[String], at: usize, seconds: u32) -> [End; 2] {
     let keys: Vec<&str> = keys.iter().flat_map(|key| ["--set", key]).collect();
     let spawn = |words: &[&str], more: &mut dyn FnMut(&mut Command)| {
-        let mut command = host_sim(words);
+        let mut command = cohold(words);
         more(command.args(["--json", "--scene", "leader-follower-wall"]).args(&keys));
-        command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("host-sim runs")
+        command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("cohold runs")
     };
     let [one, two, for_one, for_two] = [(); 4].map(|()| free());
     let (relayed, seconds) = ((seconds + 4).to_string(), seconds.to_string());
@@ -615,7 +615,7 @@ fn a_leader_presses_on_the_followers_wall_in_another_process() {
 
 /// Ten minutes by the clock, pressed on in cycles of ten seconds: docs/leader-follower.md has what this prints.
 #[test]
-#[ignore = "ten minutes: cargo test -p host-sim --test suite -- --ignored --nocapture ten_minutes"]
+#[ignore = "ten minutes: cargo test -p cohold --test suite -- --ignored --nocapture ten_minutes"]
 fn ten_minutes_of_leader_and_follower_in_two_processes() {
     for phases in on_both_networks("ten-minutes", 10, 600) {
         assert_eq!(phases.len(), 60);

@@ -4,22 +4,22 @@ use std::process::Child;
 
 use serde_json::Value;
 
-use crate::program::{Keys, free, host_sim};
+use crate::program::{Keys, cohold, free};
 
 /// A relay of this network for so many seconds, and two peers over it that want this; all three run.
 fn over(keys: &Keys, network: &[&str], relayed_s: &str, wanted: &[&str]) -> (Child, [Child; 2]) {
     let [one, two, for_one, for_two] = [(); 4].map(|()| free());
-    let relay = host_sim(&["network", "relay", "--json", "--seconds", relayed_s])
+    let relay = cohold(&["network", "relay", "--json", "--seconds", relayed_s])
         .args(["--listen-1", &for_one, "--listen-2", &for_two, "--peer-1", &one, "--peer-2", &two])
         .args(["network.one_way_delay_packets=0"].iter().chain(network).flat_map(|setting| ["--set", setting]))
         .spawn()
-        .expect("host-sim runs");
+        .expect("cohold runs");
     let peers = [("1", &one, &for_one), ("2", &two, &for_two)].map(|(number, listen, connect)| {
-        host_sim(&["peer", "--json", "--number", number, "--listen", listen, "--connect", connect])
+        cohold(&["peer", "--json", "--number", number, "--listen", listen, "--connect", connect])
             .args(["--key-file", &keys.file(0)])
             .args(wanted)
             .spawn()
-            .expect("host-sim runs")
+            .expect("cohold runs")
     });
     (relay, peers)
 }
@@ -64,7 +64,7 @@ fn a_scene_that_is_unstable_at_the_measured_delay_is_refused_by_name() {
             assert!(line.contains(part), "{part}: {line}");
         }
         let last = said.lines().last().unwrap_or_default();
-        assert!(last.starts_with("host-sim: never armed: unstable"), "{said}");
+        assert!(last.starts_with("cohold: never armed: unstable"), "{said}");
         assert_eq!((verdicts(&seen).as_slice(), &seen["verdict"]["stable"]), (&[line][..], &false.into()), "{seen}");
         let [least, most] = [0, 1].map(|at| seen["verdict"]["one_way_ms"][at].as_f64().expect("a number"));
         assert!((2.0..=most).contains(&least) && most < 20.0, "{seen}");

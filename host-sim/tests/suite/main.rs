@@ -1,4 +1,4 @@
-//! host-sim as a user runs it, and what it offers beside its command line. One program for all, so that they are linked once.
+//! cohold as a user runs it, and what it offers beside its command line. One program for all, so that they are linked once.
 
 mod accuracy;
 mod another_language;
@@ -9,6 +9,7 @@ mod command_line;
 mod cooperative;
 mod declared;
 mod examples;
+mod guests;
 mod hub;
 mod key_files;
 mod letters;

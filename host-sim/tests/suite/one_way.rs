@@ -1,4 +1,4 @@
-//! There is one way to read a file, one to write one and one to print: `haptic_io`. Sources of every PC package are searched for others.
+//! There is one way to read a file, one to write one and one to print: `cohold_io`. Sources of every PC package are searched for others.
 
 use std::path::Path;
 

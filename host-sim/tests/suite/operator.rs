@@ -7,16 +7,16 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use haptic_board_tools::operator::UNCONFIRMED;
-use haptic_live::key_file;
-use haptic_live::operator::Operator;
-use haptic_protocol::ends::Ends;
-use haptic_protocol::key::{Key, Role};
-use haptic_protocol::lease::{AtBoard, Holder, Motors, Word};
-use haptic_protocol::lines::{Heard, Lines};
-use haptic_protocol::link::{Config, Link, Notice};
-use haptic_protocol::parameters::{Parameters, Table};
-use haptic_protocol::wire::{MAX_DATAGRAM, PeerId, Sample};
+use cohold_board_tools::operator::UNCONFIRMED;
+use cohold_live::key_file;
+use cohold_live::operator::Operator;
+use cohold_protocol::ends::Ends;
+use cohold_protocol::key::{Key, Role};
+use cohold_protocol::lease::{AtBoard, Holder, Motors, Word};
+use cohold_protocol::lines::{Heard, Lines};
+use cohold_protocol::link::{Config, Link, Notice};
+use cohold_protocol::parameters::{Parameters, Table};
+use cohold_protocol::wire::{MAX_DATAGRAM, PeerId, Sample};
 
 use crate::declared::has_columns_of;
 
@@ -148,20 +148,20 @@ fn lines_are_answered_and_samples_come_under_the_right_key_only() {
 
     // The next operator takes over; from the command line.
     let run = |key: &Path, lines: &[&str]| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+        let mut command = Command::new(env!("CARGO_BIN_EXE_cohold"));
         command.args(["board", "operator", "--board", &board.address.to_string(), "--key-file"]).arg(key).args(lines);
         let output = command.output().unwrap();
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
         (output.status.code(), text(output.stdout), text(output.stderr))
     };
     assert_eq!(run(&right, &["status", "get a"]), (Some(0), "ok status\nok get a\n".into(), String::new()));
-    let refused = "host-sim: board 2: no: never\n";
+    let refused = "cohold: board 2: no: never\n";
     assert_eq!(run(&right, &["one", "no", "two"]), (Some(2), "ok one\n".into(), refused.into()));
     // A board that never sends a tick is no reason for an empty file.
     let file = folder.join("ticks.csv");
     let (status, said, why) = run(&right, &["status", "--seconds", "0.1", "--record", &file.display().to_string()]);
     assert_eq!((status, said.as_str(), file.exists()), (Some(2), "ok status\n", false));
-    assert_eq!(why, "host-sim: board 2: no tick came in 0.1 s\n");
+    assert_eq!(why, "cohold: board 2: no tick came in 0.1 s\n");
     let scene = folder.join("scene.toml");
     std::fs::write(&scene, "[object]\nmass_kg = 0.5\n").unwrap();
     let (status, said, why) = run(&right, &["--scene", &scene.display().to_string(), "status"]);
@@ -173,7 +173,7 @@ fn lines_are_answered_and_samples_come_under_the_right_key_only() {
     // It was not said: nobody knows whether motors are on.
     assert!(why.ends_with(&format!("wrong.key; {UNCONFIRMED}\n")), "{why}");
     let (status, _, why) = run(&right, &["no", "disarm"]);
-    assert_eq!((status, why), (Some(2), format!("host-sim: board 2: no: never; {UNCONFIRMED}\n")));
+    assert_eq!((status, why), (Some(2), format!("cohold: board 2: no: never; {UNCONFIRMED}\n")));
 }
 
 /// Why: "stopped" was said of a board that had been armed alone and went on, and of one that nothing reached.
@@ -183,7 +183,7 @@ fn disarm_is_confirmed_by_the_board_or_says_what_to_press() {
     key_file::generate(&key, Role::Operator).unwrap();
     let board = Board::start(key_file::read(&key, Role::Operator).unwrap(), 2.0);
     let run = |line: &str| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+        let mut command = Command::new(env!("CARGO_BIN_EXE_cohold"));
         command.args(["board", "operator", "--board", &board.address.to_string(), "--key-file"]).arg(&key).arg(line);
         let output = command.output().unwrap();
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
@@ -212,7 +212,7 @@ fn disarm_is_confirmed_by_the_board_or_says_what_to_press() {
 
 /// Records every tick of a board for so many seconds.
 fn recording(board: &Board, key: &Path, seconds: &str, file: &Path) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cohold"));
     command.args(["board", "operator", "--board", &board.address.to_string(), "--every", "1", "--seconds", seconds]);
     command.arg("--key-file").arg(key).arg("--record").arg(file);
     command
@@ -272,7 +272,7 @@ fn a_recording_has_what_the_board_logs_and_no_answer_is_taken_for_it() {
     let board = Board::start(key_file::read(&key, Role::Operator).unwrap(), 2.0);
     let output = recording(&board, &key, "1", &file).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let recording = haptic_live::recording::file::read(&file).unwrap();
+    let recording = cohold_live::recording::file::read(&file).unwrap();
     let said: Vec<_> = recording.log().map(|(_, line)| line.words.as_str()).collect();
     assert_eq!(said, ["ok status", "peer: fading\\u001b[2J", "ok status"]);
 }
@@ -289,7 +289,7 @@ fn a_board_that_says_what_none_can_is_refused_by_name() {
         let output = recording(&board, &key, "0.2", &file).output().unwrap();
         let why = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{why}");
-        assert_eq!(why, format!("host-sim: the board has axis.shared = {axes}, which is not allowed\n"));
+        assert_eq!(why, format!("cohold: the board has axis.shared = {axes}, which is not allowed\n"));
         assert!(!file.exists());
     }
 }
@@ -301,7 +301,7 @@ fn what_a_board_answers_is_shown_and_not_obeyed() {
     key_file::generate(&key, Role::Operator).unwrap();
     let board = Board::start(key_file::read(&key, Role::Operator).unwrap(), 2.0);
     for more in [&["spell"][..], &["spell", "--json"], &["spell", "no"]] {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+        let mut command = Command::new(env!("CARGO_BIN_EXE_cohold"));
         command.args(["board", "operator", "--board", &board.address.to_string(), "--key-file"]).arg(&key);
         let output = command.args(more).output().unwrap();
         let said = String::from_utf8([output.stdout, output.stderr].concat()).unwrap();
@@ -323,7 +323,7 @@ fn a_board_that_takes_other_commands_is_named() {
 
 /// What `key image` says of these two files, and whether it made the image.
 fn image(peers: &Path, operator: &Path, image: &Path) -> (Option<i32>, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cohold"));
     command.args(["key", "image", "--key-file"]).arg(peers).arg("--operator-key-file").arg(operator);
     let output = command.arg(image).output().unwrap();
     (output.status.code(), String::from_utf8(output.stderr).unwrap())
@@ -365,7 +365,7 @@ fn a_key_file_of_the_other_role_is_refused_by_name() {
     let [peers, operator, file] = ["bench.key", "operator.key", "board.bin"].map(|name| folder.join(name));
     let text = |path: &Path| path.display().to_string();
     let run = |words: &[&str]| {
-        let output = Command::new(env!("CARGO_BIN_EXE_host-sim")).args(words).output().unwrap();
+        let output = Command::new(env!("CARGO_BIN_EXE_cohold")).args(words).output().unwrap();
         (output.status.code(), String::from_utf8(output.stderr).unwrap())
     };
     assert_eq!(run(&["key", "generate", &text(&peers)]).0, Some(0));
@@ -417,7 +417,7 @@ fn an_update_writes_its_bytes_and_says_what_is_next_and_what_is_no_image_asks_no
     let key = folder.join("a.key");
     key_file::generate(&key, Role::Operator).unwrap();
     let run = |board: SocketAddr, image: &Path| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+        let mut command = Command::new(env!("CARGO_BIN_EXE_cohold"));
         command
             .args(["board", "update", "--board", &board.to_string(), "--key-file"])
             .arg(&key)

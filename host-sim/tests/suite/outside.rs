@@ -15,7 +15,7 @@ fn folder(name: &str) -> PathBuf {
 
 /// The program in this folder, with two gigabytes of addresses and 20 s: whoever needs more is stuck.
 fn bounded(folder: &Path, arguments: &[&str]) -> Output {
-    let line = format!("ulimit -v 2097152; exec {} \"$@\"", env!("CARGO_BIN_EXE_host-sim"));
+    let line = format!("ulimit -v 2097152; exec {} \"$@\"", env!("CARGO_BIN_EXE_cohold"));
     let mut command = Command::new("sh");
     command.args(["-c", &line, "sh"]).args(arguments).current_dir(folder).env("RAYON_NUM_THREADS", "1");
     let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("a shell");

@@ -1,4 +1,4 @@
-//! `host-sim accuracy precision`: growth rates against the analyser's spectral radius, and chaos distinguished from
+//! `cohold accuracy precision`: growth rates against the analyser's spectral radius, and chaos distinguished from
 //! error.
 
 use std::process::Command;
@@ -7,7 +7,7 @@ use serde_json::Value;
 
 fn json(arguments: &[&str]) -> Value {
     let output =
-        Command::new(env!("CARGO_BIN_EXE_host-sim")).args(arguments).arg("--json").output().expect("host-sim runs");
+        Command::new(env!("CARGO_BIN_EXE_cohold")).args(arguments).arg("--json").output().expect("cohold runs");
     // 1: `stability point` of an unstable scene.
     let error = String::from_utf8_lossy(&output.stderr);
     assert!(matches!(output.status.code(), Some(0 | 1)), "{arguments:?}: {error}");

@@ -1,11 +1,11 @@
 //! How stiff a contact may be at each rate of the tick, and what an encoder's steps make of it: the table of docs/hardware.md.
 
-use haptic_analysis::{Effort, Range, limit};
-use haptic_core::device::velocity::{AnyVelocity, VelocityName};
-use haptic_core::num::Motion;
-use haptic_core::settings::Settings;
-use haptic_plot::{Figure, Panel, Print, Series, paint};
-use haptic_sim::scene::Scene;
+use cohold_analysis::{Effort, Range, limit};
+use cohold_core::device::velocity::{AnyVelocity, VelocityName};
+use cohold_core::num::Motion;
+use cohold_core::settings::Settings;
+use cohold_plot::{Figure, Panel, Print, Series, paint};
+use cohold_sim::scene::Scene;
 
 use crate::columns::is_documented;
 
@@ -16,7 +16,7 @@ const DEVICE: [&str; 5] =
     ["plant.encoder=true", "plant.motor=true", "plant.winding=true", "plant.drive=current", "axis.velocity=filtered"];
 
 fn scene(per_ms: u32, set: &[&str]) -> Scene {
-    let mut scene = Scene::new(haptic_guest_laws::laws());
+    let mut scene = Scene::new(cohold_guest_laws::laws());
     set.iter().for_each(|text| scene.apply_override(text).expect("a key of a scene"));
     let timing = &mut scene.peer.timing;
     (timing.control_period_s, timing.ticks_per_packet) = (1e-3 / f64::from(per_ms), 8 * per_ms);
@@ -107,7 +107,7 @@ fn picture(rows: &[(f64, Vec<f64>)]) -> Vec<u8> {
     svg
 }
 
-/// `HAPTIC_BLESS=1 cargo test -p host-sim --test suite -- rates` writes the table and its picture.
+/// `COHOLD_BLESS=1 cargo test -p cohold --test suite -- rates` writes the table and its picture.
 #[test]
 fn the_table_of_stiffness_against_rate() {
     let mut rows = Vec::new();

@@ -5,17 +5,17 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use haptic_live::node::Node;
-use haptic_protocol::key::Key;
-use haptic_sim::engine::{Actor, Engine, Out, Seat};
-use haptic_sim::network::{link::Route, rule::Direction};
-use haptic_sim::scenes;
+use cohold_live::node::Node;
+use cohold_protocol::key::Key;
+use cohold_sim::engine::{Actor, Engine, Out, Seat};
+use cohold_sim::network::{link::Route, rule::Direction};
+use cohold_sim::scenes;
 use parquet::basic::Type as PhysicalType;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use serde_json::Value;
 
 use crate::declared::has_columns_of;
-use crate::program::{Keys, free, host_sim};
+use crate::program::{Keys, cohold, free};
 
 /// The scene of a person's first try on a bad network: both hold still for a second and a half, then push; one of them to and fro. So
 /// it does not matter which of them is armed some milliseconds before the other.
@@ -68,7 +68,7 @@ impl Actor<usize> for Sealed {
 /// Mean true discrepancy of the two of them over the last half of a run, mm.
 fn in_process(settings: &[String], seconds: f64) -> f64 {
     let settings: Vec<String> = settings.iter().map(|one| one.trim_start_matches("--set=").to_owned()).collect();
-    let scene = scenes::find(haptic_guest_laws::laws(), Some(Path::new("any-network")), &settings).expect("a scene");
+    let scene = scenes::find(cohold_guest_laws::laws(), Some(Path::new("any-network")), &settings).expect("a scene");
     let seat = |number: u8| {
         let node = Node::new(&scene, number, Key::new([0x5a; Key::LEN]), [number; Key::LEN]).expect("a scene");
         // As often as live ends tell each other how they are.
@@ -89,7 +89,7 @@ fn in_process(settings: &[String], seconds: f64) -> f64 {
 }
 
 fn json(command: &mut Command) -> Value {
-    let output = command.output().expect("host-sim runs");
+    let output = command.output().expect("cohold runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else")
 }
@@ -99,10 +99,10 @@ fn number(document: &Value, key: &str) -> f64 {
 }
 
 fn peer(keys: &Keys, own: &str, [listen, connect]: [&str; 2], record: &Path) -> Child {
-    let mut command = host_sim(&["peer", "--json", "--number", own, "--listen", listen, "--connect", connect]);
+    let mut command = cohold(&["peer", "--json", "--number", own, "--listen", listen, "--connect", connect]);
     command.args(["--seconds", "60", "--key-file", &keys.file(0)]).args(SCENE).args(pushes(&keys.0));
     command.arg("--record").arg(record);
-    command.stdout(Stdio::null()).spawn().expect("host-sim runs")
+    command.stdout(Stdio::null()).spawn().expect("cohold runs")
 }
 
 /// How long before they are killed.
@@ -113,12 +113,12 @@ fn killed(keys: &Keys) -> Value {
     let file = |name: &str| keys.0.join(name);
     let trace = bursts(&keys.0);
     let [one, two, for_one, for_two] = [(); 4].map(|()| free());
-    let mut relay = host_sim(&["network", "relay", "--seconds", "30", "--listen-1", &for_one, "--listen-2", &for_two])
+    let mut relay = cohold(&["network", "relay", "--seconds", "30", "--listen-1", &for_one, "--listen-2", &for_two])
         .args(["--peer-1", &one, "--peer-2", &two, "--trace"])
         .arg(&trace)
         .args(SCENE)
         .spawn()
-        .expect("host-sim runs");
+        .expect("cohold runs");
     let recordings = [file("one.mcap"), file("two.mcap")];
     recordings.iter().for_each(|recording| drop(std::fs::remove_file(recording)));
     let mut first = peer(keys, "1", [&one, &for_one], &recordings[0]);
@@ -134,7 +134,7 @@ fn killed(keys: &Keys) -> Value {
     // Up to the last second: a chunk of a quarter of a second is what a kill may cost.
     for recording in &recordings {
         let table = recording.with_extension("csv");
-        let converted = json(host_sim(&["recording", "convert", "--json"]).arg(recording).arg(&table));
+        let converted = json(cohold(&["recording", "convert", "--json"]).arg(recording).arg(&table));
         assert!(converted["cut"]["whole_bytes"].as_f64().is_some_and(|bytes| bytes > 1e5), "{converted}");
         let text = std::fs::read_to_string(&table).expect("a table");
         let last = text.lines().last().and_then(|line| line.split(',').nth(1)?.parse::<f64>().ok()).expect("a time");
@@ -146,7 +146,7 @@ fn killed(keys: &Keys) -> Value {
         assert!(std::fs::read_to_string(recording.with_extension("toml")).expect("a scene").contains("self-timed"));
     }
     let table = file("merged.parquet");
-    let merged = json(host_sim(&["recording", "merge", "--json"]).args(&recordings).arg(&table));
+    let merged = json(cohold(&["recording", "merge", "--json"]).args(&recordings).arg(&table));
     assert!(table.exists() && number(&merged, "instants") > 1000.0 * (SECONDS - 3.0), "{merged}");
     // The clocks are known to half of a round trip of 16 ms and some; as both are those of one machine, it is seen how well: what a
     // busy relay makes of the two ways is less.
@@ -172,7 +172,7 @@ fn two_killed_processes_have_the_true_discrepancy_of_the_run_in_memory() {
         clock_mm < 1.0 && (real - wanted).abs() < 0.05 * wanted + clock_mm
     };
     assert!((0..3).any(|_| near(&killed(&keys))), "{wanted} mm in memory");
-    let mut simulated = host_sim(&["cooperate", "--json", "--seconds", "12"]);
+    let mut simulated = cohold(&["cooperate", "--json", "--seconds", "12"]);
     let simulated = json(simulated.args(SCENE).args(pushes(&keys.0)).arg(network));
     assert!(number(&simulated, "true_discrepancy_mm") < 5.0, "{simulated}");
 }
@@ -185,7 +185,7 @@ fn a_full_disk_ends_the_recording_and_not_the_run() {
     let recording = keys.0.join("full.mcap");
     let run = format!(
         "trap '' XFSZ; ulimit -f 400; exec '{}' cooperate --json --seconds 10 --scene any-network --set user.1.push_n=1 --record '{}'",
-        env!("CARGO_BIN_EXE_host-sim"),
+        env!("CARGO_BIN_EXE_cohold"),
         recording.display()
     );
     let output = Command::new("bash").args(["-c", &run]).output().expect("bash runs");
@@ -194,13 +194,13 @@ fn a_full_disk_ends_the_recording_and_not_the_run() {
     let document: Value = serde_json::from_slice(&output.stdout).expect("the run's result");
     assert_eq!(number(&document, "ticks"), 10_000.0, "{document}");
     let table = keys.0.join("full.parquet");
-    let converted = json(host_sim(&["recording", "convert", "--json"]).arg(&recording).arg(&table));
+    let converted = json(cohold(&["recording", "convert", "--json"]).arg(&recording).arg(&table));
     let rows = number(&converted["channels"][0], "rows");
     assert!(rows > 100.0 && rows < 10_000.0, "{converted} {error}");
     let said = format!("recorded {rows} rows in {}, ", recording.display());
     assert!(error.contains(&said), "{said} is not in {error}");
     // Never written over.
-    let again = host_sim(&["cooperate", "--seconds", "1", "--record"]).arg(&recording).output().expect("host-sim runs");
+    let again = cohold(&["cooperate", "--seconds", "1", "--record"]).arg(&recording).output().expect("cohold runs");
     let error = String::from_utf8_lossy(&again.stderr);
     assert!(again.status.code() == Some(2) && error.contains("never written over"), "{error}");
 }
@@ -218,8 +218,8 @@ fn both_peers_along_three_axes() {
     let keys = Keys::new("in-space", 0);
     let recording = keys.0.join("space.mcap");
     let run = ["cooperate", "--json", "--seconds", "1", "--scene", "space", "--out"];
-    let run = json(host_sim(&run).arg(&keys.0).arg("--record").arg(&recording));
-    json(host_sim(&["recording", "convert", "--json"]).arg(&recording).arg(keys.0.join("table.csv")));
+    let run = json(cohold(&run).arg(&keys.0).arg("--record").arg(&recording));
+    json(cohold(&["recording", "convert", "--json"]).arg(&recording).arg(keys.0.join("table.csv")));
     let files: Vec<&str> = run["files"].as_array().expect("files").iter().filter_map(Value::as_str).collect();
     for (recorded, axis) in [("table.csv", "-x.csv"), ("table-ticks-y.csv", "-y.csv"), ("table-ticks-z.csv", "-z.csv")]
     {
@@ -234,12 +234,12 @@ fn both_peers_of_a_run_in_memory() {
     let keys = Keys::new("in-memory", 0);
     let recording = keys.0.join("both.mcap");
     let run = ["cooperate", "--json", "--seconds", "2", "--scene", "matched-line", "--set", "user.1.push_n=1", "--out"];
-    let run = json(host_sim(&run).arg(&keys.0).arg("--record").arg(&recording));
-    let merged = json(host_sim(&["recording", "merge", "--json"]).arg(&recording));
+    let run = json(cohold(&run).arg(&keys.0).arg("--record").arg(&recording));
+    let merged = json(cohold(&["recording", "merge", "--json"]).arg(&recording));
     let near = (number(&merged, "true_discrepancy_mm") - number(&run, "true_discrepancy_mm")).abs();
     assert!(near < 1e-12 && number(&merged, "instants") == 2000.0, "{merged} {run}");
     let table = keys.0.join("table.csv");
-    json(host_sim(&["recording", "convert", "--json"]).arg(&recording).arg(&table));
+    json(cohold(&["recording", "convert", "--json"]).arg(&recording).arg(&table));
     let files = run["files"].as_array().expect("files").iter().filter_map(Value::as_str);
     let whole: Vec<PathBuf> = files.filter(|file| file.ends_with(".csv")).map(PathBuf::from).collect();
     same_rows(&table, &whole[0]);
@@ -251,7 +251,7 @@ fn both_peers_of_a_run_in_memory() {
         (&["recording", "convert", "nowhere.mcap", "b.csv"], "cannot read nowhere.mcap"),
         (&["recording", "merge", "nowhere.mcap"], "cannot read nowhere.mcap"),
     ] {
-        let output = host_sim(arguments).output().expect("host-sim runs");
+        let output = cohold(arguments).output().expect("cohold runs");
         let error = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() == Some(2) && error.contains(names), "{error}");
     }
@@ -262,9 +262,9 @@ fn both_peers_of_a_run_in_memory() {
 fn a_run_that_faults_says_so() {
     let keys = Keys::new("fault", 0);
     let file = |name: &str| keys.0.join(name);
-    let run = host_sim(&FAULTS).arg("--record").arg(file("run.mcap")).output().expect("host-sim runs");
+    let run = cohold(&FAULTS).arg("--record").arg(file("run.mcap")).output().expect("cohold runs");
     assert_eq!(run.status.code(), Some(1), "{}", String::from_utf8_lossy(&run.stderr));
-    let converted = json(host_sim(&["recording", "convert", "--json"]).arg(file("run.mcap")).arg(file("run.csv")));
+    let converted = json(cohold(&["recording", "convert", "--json"]).arg(file("run.mcap")).arg(file("run.csv")));
     let channels = converted["channels"].as_array().expect("channels");
     assert!(channels.iter().any(|channel| channel["channel"] == "/log"), "{converted}");
     let table = |name: &str| {
@@ -287,7 +287,7 @@ fn a_run_that_faults_says_so() {
     let words = "peer 1 stopped at 0.007 s: Overspeed: braking did not keep the device below 1.5 times safety.max_speed_m_per_s or encoder.max_speed_m_per_s";
     assert!(said[3] == words && said[4] == "both peers" && apart_s.abs() < 1e-6, "{said:?} {apart_s}");
     // A flag is a flag, a count a count, a text a text.
-    let converted = json(host_sim(&["recording", "convert", "--json"]).arg(file("run.mcap")).arg(file("run.parquet")));
+    let converted = json(cohold(&["recording", "convert", "--json"]).arg(file("run.mcap")).arg(file("run.parquet")));
     assert_eq!(number(&converted["channels"][0], "rows"), rows.len() as f64);
     for (name, column, kind) in [
         ("run", "row", PhysicalType::INT64),
@@ -322,7 +322,7 @@ fn live_commands_talk_and_record() {
     let keys = Keys::new("talk", 0);
     let [one, two] = [free(), free()];
     let live = |number: &str, ends: [&str; 2], more: &str| {
-        host_sim(&["peer", "--number", number, "--listen", ends[0], "--connect", ends[1], "--seconds", "2.5", more])
+        cohold(&["peer", "--number", number, "--listen", ends[0], "--connect", ends[1], "--seconds", "2.5", more])
             .args([
                 "--key-file",
                 &keys.file(0),
@@ -332,7 +332,7 @@ fn live_commands_talk_and_record() {
             ])
             .args(SCENE)
             .spawn()
-            .expect("host-sim runs")
+            .expect("cohold runs")
     };
     let (first, second) = (live("1", [&one, &two], "--json-lines"), live("2", [&two, &one], "--quiet"));
     let output = first.wait_with_output().expect("it ends");
@@ -359,13 +359,13 @@ fn live_commands_talk_and_record() {
 
     let recording = keys.0.join("page.mcap");
     let start = Instant::now();
-    let page = host_sim(&["play", "--seconds", "1", "--record"]).arg(&recording).output().expect("host-sim runs");
+    let page = cohold(&["play", "--seconds", "1", "--record"]).arg(&recording).output().expect("cohold runs");
     assert!(
         page.status.success() && start.elapsed() < Duration::from_secs(20),
         "{}",
         String::from_utf8_lossy(&page.stderr)
     );
-    let converted = json(host_sim(&["recording", "convert", "--json"]).arg(&recording).arg(keys.0.join("page.csv")));
+    let converted = json(cohold(&["recording", "convert", "--json"]).arg(&recording).arg(keys.0.join("page.csv")));
     assert_eq!((number(&converted["channels"][0], "rows"), number(&converted, "lost")), (1000.0, 0.0), "{converted}");
     let heads = std::fs::read_to_string(keys.0.join("page.csv")).expect("a table");
     assert!(heads.starts_with("row,time_s,wanted_1_m,wanted_2_m,device_1_m"), "{heads:.200}");

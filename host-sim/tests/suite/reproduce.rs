@@ -1,10 +1,10 @@
-//! `host-sim paper reproduce` as a user runs it.
+//! `cohold paper reproduce` as a user runs it.
 
 use std::fs;
 use std::path::Path;
 
 use crate::declared::has_columns_of;
-use crate::program::{host_sim, report};
+use crate::program::{cohold, report};
 
 /// Every claim has a verdict, every one that is not matched says why, and those that the theory page knows come out as it says.
 #[test]
@@ -12,7 +12,7 @@ fn every_claim_has_a_verdict_and_a_reason() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("reproduce");
     let _ = fs::remove_dir_all(&folder);
     let out = folder.display().to_string();
-    let done = report(host_sim(&["paper", "reproduce", "--json", "--out", &out]).spawn().expect("host-sim runs"));
+    let done = report(cohold(&["paper", "reproduce", "--json", "--out", &out]).spawn().expect("cohold runs"));
     crate::letters::are_readable(&folder, 8, true);
     let claims = done["claims"].as_array().expect("claims");
     let text = |at: usize, field: &str| claims[at][field].as_str().unwrap_or_default().to_owned();

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::program::{Keys, free, host_sim, report, signal};
+use crate::program::{Keys, cohold, free, report, signal};
 
 /// When a notice was given, s.
 fn when(notices: &Value, wanted: &str) -> Option<f64> {
@@ -39,7 +39,7 @@ fn a_peer_that_is_ended_reports_and_tells_the_other() {
         let peer = |number: &str, listen: &str, connect: &str| {
             let own = ["peer", "--json", "--number", number, "--listen", listen, "--connect", connect];
             let all = [&own[..], &["--scene", "any-network", "--seconds", "60", "--key-file", &key]].concat();
-            host_sim(&all).spawn().expect("host-sim runs")
+            cohold(&all).spawn().expect("cohold runs")
         };
         let (first, second) = (peer("1", &one, &two), peer("2", &two, &one));
         std::thread::sleep(Duration::from_millis(2_500));
@@ -83,20 +83,20 @@ fn whoever_waits_ends_with_an_empty_report() {
             "links",
         ),
     ] {
-        let waits = host_sim(&[arguments, &["--json"]].concat()).spawn().expect("host-sim runs");
+        let waits = cohold(&[arguments, &["--json"]].concat()).spawn().expect("cohold runs");
         std::thread::sleep(Duration::from_millis(700));
         let (seen, took) = ended(waits, "TERM");
         assert!(seen[field] == 0 && took < Duration::from_secs(5), "{took:?}: {seen}");
     }
-    let relay = host_sim(&["network", "relay", "--json", "--listen-1", &one, "--listen-2", &two])
+    let relay = cohold(&["network", "relay", "--json", "--listen-1", &one, "--listen-2", &two])
         .args(["--peer-1", "127.0.0.1:9", "--peer-2", "127.0.0.1:9"])
         .spawn()
-        .expect("host-sim runs");
+        .expect("cohold runs");
     std::thread::sleep(Duration::from_millis(700));
     let (seen, took) = ended(relay, "TERM");
     assert!(seen["ways"][0]["taken"] == 0 && took < Duration::from_secs(5), "{took:?}: {seen}");
     let crowd = ["shared", "world", "crowd", "--json", "--clients", "5,6", "--warm-up-s", "0.5", "--seconds", "60"];
-    let crowd = host_sim(&crowd).spawn().expect("host-sim runs");
+    let crowd = cohold(&crowd).spawn().expect("cohold runs");
     std::thread::sleep(Duration::from_millis(2_500));
     let crowd = ended(crowd, "TERM").0;
     assert_eq!(crowd["runs"].as_array().map(Vec::len), Some(1), "the second crowd is not begun: {crowd}");
@@ -123,11 +123,11 @@ fn servers_and_hubs_say_goodbye() {
         "--key-file",
         &key,
     ];
-    let server = host_sim(&serve).spawn().expect("host-sim runs");
+    let server = cohold(&serve).spawn().expect("cohold runs");
     let (at, line) = (format!("1={address}"), keys.file(1));
     let visit =
         ["shared", "world", "visit", "--json", "--line", "1", "--server", &at, "--seconds", "60", "--key-file", &line];
-    let visitor = host_sim(&visit).spawn().expect("host-sim runs");
+    let visitor = cohold(&visit).spawn().expect("cohold runs");
     std::thread::sleep(Duration::from_millis(1_500));
     let (seen, _) = ended(visitor, "INT");
     assert_eq!(seen["objects"], 5, "{seen}");
@@ -135,12 +135,12 @@ fn servers_and_hubs_say_goodbye() {
     assert!(seen["clients"] == 1 && seen["served_s"].as_f64().is_some_and(|served_s| served_s < 60.0), "{seen}");
 
     let hub = ["shared", "hub", "--json", "--users", "2", "--listen", &address, "--seconds", "60", "--key-file", &key];
-    let hub = host_sim(&hub).spawn().expect("host-sim runs");
+    let hub = cohold(&hub).spawn().expect("cohold runs");
     let peers = [1, 2].map(|line: u32| {
         let (number, key) = (line.to_string(), keys.file(line));
         let own = ["peer", "--json", "--scene", "hub", "--number", &number, "--listen", "127.0.0.1:0"];
         let all = [&own[..], &["--connect", &address, "--seconds", "60", "--key-file", &key]].concat();
-        host_sim(&all).spawn().expect("host-sim runs")
+        cohold(&all).spawn().expect("cohold runs")
     });
     std::thread::sleep(Duration::from_millis(2_500));
     let [first, second] = peers;

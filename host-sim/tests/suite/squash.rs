@@ -5,7 +5,7 @@ use std::process::{Child, Command, Stdio};
 
 use super::program::free;
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_host-sim");
+const PROGRAM: &str = env!("CARGO_BIN_EXE_cohold");
 
 #[test]
 fn the_command_line_plays_and_refuses() {

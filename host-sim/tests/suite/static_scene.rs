@@ -7,7 +7,7 @@ use std::time::Duration;
 use serde_json::Value;
 
 pub(crate) const TWO_ROOMS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/worlds/two-rooms.toml");
-use crate::program::{Keys, free, host_sim, report};
+use crate::program::{Keys, cohold, free, report};
 
 /// A server that ends with the test.
 struct Served(Child);
@@ -23,13 +23,13 @@ fn serve(keys: &Keys, region: &str, address: &str) -> Served {
     let key = keys.file(0);
     let arguments =
         ["shared", "world", "serve", "--world", TWO_ROOMS, "--region", region, "--listen", address, "--key-file", &key];
-    Served(host_sim(&arguments).stderr(Stdio::null()).spawn().expect("host-sim runs"))
+    Served(cohold(&arguments).stderr(Stdio::null()).spawn().expect("cohold runs"))
 }
 
 fn visit(keys: &Keys, line: u32, arguments: &[&str]) -> Child {
     let (key, line) = (keys.file(line), line.to_string());
     let all = [&["shared", "world", "visit", "--json", "--key-file", &key, "--line", &line], arguments].concat();
-    host_sim(&all).spawn().expect("host-sim runs")
+    cohold(&all).spawn().expect("cohold runs")
 }
 
 #[test]
@@ -78,7 +78,7 @@ fn a_server_process_that_ends_takes_nothing_with_it() {
 fn two_clients_that_tell_each_other_straight() {
     let keys = Keys::new("friends", 2);
     let pair = keys.0.join("pair.key").display().to_string();
-    assert!(host_sim(&["key", "generate", &pair]).status().expect("host-sim runs").success());
+    assert!(cohold(&["key", "generate", &pair]).status().expect("cohold runs").success());
     let (one, two, nobody) = (free(), free(), format!("1={}", free()));
     let join = |line, arguments: &[&str]| visit(&keys, line, arguments);
     let visit = |line: u32, listen: &str, friend: String| {
@@ -101,7 +101,7 @@ fn two_clients_that_tell_each_other_straight() {
 #[test]
 fn a_small_crowd_is_answered() {
     let output =
-        host_sim(&["shared", "world", "crowd", "--json", "--clients", "20", "--seconds", "0.5", "--warm-up-s", "1"])
+        cohold(&["shared", "world", "crowd", "--json", "--clients", "20", "--seconds", "0.5", "--warm-up-s", "1"])
             .arg("--beside")
             .output()
             .expect("runs");
@@ -125,7 +125,7 @@ fn a_small_crowd_is_answered() {
 #[test]
 fn worlds_as_documents() {
     let json = |arguments: &[&str]| -> Value {
-        let output = host_sim(arguments).output().expect("host-sim runs");
+        let output = cohold(arguments).output().expect("cohold runs");
         serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else")
     };
     let world = json(&["shared", "world", "show", "--json", "--world", TWO_ROOMS]);
@@ -139,7 +139,7 @@ fn worlds_as_documents() {
 
 #[track_caller]
 fn refused(arguments: &[&str], names: &[&str]) {
-    let output = host_sim(arguments).output().expect("host-sim runs");
+    let output = cohold(arguments).output().expect("cohold runs");
     let error = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
     assert!(output.stdout.is_empty() && error.trim_end().lines().count() == 1, "{arguments:?}: {error}");

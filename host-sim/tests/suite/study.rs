@@ -1,4 +1,4 @@
-//! `host-sim study` as a user runs it.
+//! `cohold study` as a user runs it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use crate::declared::has_columns_of;
-use crate::program::{host_sim, report};
+use crate::program::{cohold, report};
 
 /// Two laws at three gains over two networks, of four seeds: 48 runs.
 const QUESTION: &[&str] = &[
@@ -34,7 +34,7 @@ fn folder(name: &str) -> PathBuf {
 
 fn study(folder: &Path, more: &[&str]) -> Value {
     let out = ["--out", folder.to_str().expect("a name in UTF-8")];
-    report(host_sim(&[QUESTION, &out, more].concat()).spawn().expect("host-sim runs"))
+    report(cohold(&[QUESTION, &out, more].concat()).spawn().expect("cohold runs"))
 }
 
 fn text(folder: &Path, name: &str) -> String {
@@ -104,7 +104,7 @@ fn of_one_scene_it_is_a_sweep() {
     let (one, other) = (folder("study"), folder("sweep"));
     let ask = |command: &[&str], folder: &Path| {
         let axis = ["--over", "network.loss=0,0.2", "--seeds", "3", "--seconds", "2", "--json", "--out"];
-        report(host_sim(&[command, &axis, &[folder.to_str().expect("UTF-8")]].concat()).spawn().expect("host-sim runs"))
+        report(cohold(&[command, &axis, &[folder.to_str().expect("UTF-8")]].concat()).spawn().expect("cohold runs"))
     };
     ask(&["study", "paper-5.2-wave-16ms"], &one);
     ask(&["study", "sweep", "--scene", "paper-5.2-wave-16ms"], &other);
@@ -122,7 +122,7 @@ fn of_one_scene_it_is_a_sweep() {
 #[test]
 fn bad_ones_are_refused() {
     let refused = |arguments: &[&str], says: &[&str]| {
-        let output = host_sim(&[&["study"], arguments].concat()).output().expect("host-sim runs");
+        let output = cohold(&[&["study"], arguments].concat()).output().expect("cohold runs");
         let error = String::from_utf8_lossy(&output.stderr);
         assert_eq!((output.status.code(), error.trim_end().lines().count()), (Some(2), 1), "{arguments:?}: {error}");
         says.iter().for_each(|says| assert!(error.contains(says), "{arguments:?}: {says:?} is missing in: {error}"));

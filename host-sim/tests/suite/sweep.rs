@@ -1,13 +1,13 @@
-//! `host-sim study sweep` as a user runs it: the rows of single runs, the same rows in every way they can come, nothing lost by a kill.
+//! `cohold study sweep` as a user runs it: the rows of single runs, the same rows in every way they can come, nothing lost by a kill.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use haptic_sim::rng::Rng;
+use cohold_sim::rng::Rng;
 use serde_json::Value;
 
-use crate::program::{host_sim, report};
+use crate::program::{cohold, report};
 
 /// 24 points, among them faulted ones and ones in which the seeds differ.
 const QUESTION: &[&str] = &[
@@ -43,7 +43,7 @@ fn with_out<'a>(question: &[&'a str], folder: &'a Path) -> Vec<&'a str> {
 }
 
 fn sweep(folder: &Path, more: &[&str]) -> Value {
-    report(host_sim(&arguments(folder, more)).spawn().expect("host-sim runs"))
+    report(cohold(&arguments(folder, more)).spawn().expect("cohold runs"))
 }
 
 fn text(folder: &Path, name: &str) -> String {
@@ -82,7 +82,7 @@ fn what_grows_when_let_go_is_said_beside_every_run() {
     let mut let_go = 0;
     for scene in &scenes {
         let said = |arguments: &[&str]| {
-            let output = host_sim(arguments).args(["--json", "--scene", scene]).output().expect("host-sim runs");
+            let output = cohold(arguments).args(["--json", "--scene", scene]).output().expect("cohold runs");
             serde_json::from_slice::<Value>(&output.stdout).expect("one JSON document")
         };
         let judged = said(&["stability", "point"]);
@@ -104,7 +104,7 @@ fn what_grows_when_let_go_is_said_beside_every_run() {
 #[test]
 fn what_the_documentation_sweeps_moves() {
     let page = include_str!("../../../docs/data.md");
-    let commands = page.lines().filter_map(|line| line.strip_prefix("    host-sim "));
+    let commands = page.lines().filter_map(|line| line.strip_prefix("    cohold "));
     let commands: Vec<&str> = commands.filter(|line| line.starts_with("study sweep ")).collect();
     assert_eq!(commands.len(), 2, "{commands:?}");
     let folder = folder("documented");
@@ -117,8 +117,7 @@ fn what_the_documentation_sweeps_moves() {
                 words[at + 1] = few;
             }
         }
-        let output =
-            host_sim(&words).args(["--json", "--seconds", "4"]).current_dir(&folder).output().expect("it runs");
+        let output = cohold(&words).args(["--json", "--seconds", "4"]).current_dir(&folder).output().expect("it runs");
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success() && !said.contains("nobody pushes"), "{command}: {said}");
         let told: Value = serde_json::from_slice(&output.stdout).expect("one JSON document");
@@ -150,7 +149,7 @@ fn a_row_is_a_run_of_cooperate() {
         let mut arguments = vec!["cooperate", "--json", "--seconds", "4", "--scene", "paper-5.2-wave-16ms"];
         sets.iter().for_each(|set| arguments.extend(["--set", set]));
         // Status 1 where it is not stable.
-        let alone = host_sim(&arguments).output().expect("host-sim runs");
+        let alone = cohold(&arguments).output().expect("cohold runs");
         let alone: Value = serde_json::from_slice(&alone.stdout).expect("one JSON document and nothing else");
         for name in ["state_hash", "verdict", "reason"] {
             assert_eq!(alone[name].as_str().unwrap_or_default(), cell(row, name), "{name} of {sets:?}");
@@ -226,7 +225,7 @@ fn any_number_of_shards_and_threads_gives_the_same_rows() {
     assert_eq!(journals(&shards), journals(&whole));
 
     let one = folder("one-thread");
-    report(host_sim(&arguments(&one, &[])).env("RAYON_NUM_THREADS", "1").spawn().expect("host-sim runs"));
+    report(cohold(&arguments(&one, &[])).env("RAYON_NUM_THREADS", "1").spawn().expect("cohold runs"));
     assert_eq!(text(&one, "sweep.csv"), csv);
 }
 
@@ -234,7 +233,7 @@ fn any_number_of_shards_and_threads_gives_the_same_rows() {
 /// those of one that nobody disturbed.
 fn killed(name: &str, question: &[&str], runs: usize, kills: u64) {
     let (whole, killed) = (folder(&format!("{name}-undisturbed")), folder(&format!("{name}-killed")));
-    let start = |folder: &Path| host_sim(&with_out(question, folder)).spawn().expect("host-sim runs");
+    let start = |folder: &Path| cohold(&with_out(question, folder)).spawn().expect("cohold runs");
     let sweep = |folder: &Path| report(start(folder));
     assert_eq!(sweep(&whole)["new_runs"], runs);
     let bytes = |folder: &Path| fs::metadata(folder.join("rows-1-of-1.csv")).map_or(0, |file| file.len());
@@ -289,7 +288,7 @@ fn five_kills_of_a_sample() {
 }
 
 #[test]
-#[ignore = "takes minutes: cargo test --release -p host-sim --test suite -- --ignored --nocapture five_kills"]
+#[ignore = "takes minutes: cargo test --release -p cohold --test suite -- --ignored --nocapture five_kills"]
 fn five_kills_of_a_hundred_thousand_points() {
     killed("sample-100000", &[SAMPLED, &["--points", "100000"]].concat(), 100_000, 5);
 }
@@ -301,7 +300,7 @@ fn a_sample_is_the_same_in_shards_and_beside_more_points() {
         [SAMPLED, &["--over", "coordination.comm=power,wave", "--design", "latin-hypercube", "--points", "20"]];
     let question = question.concat();
     let with = |folder: &Path, more: &[&str]| {
-        report(host_sim(&with_out(&[&question, more].concat(), folder)).spawn().expect("host-sim runs"))
+        report(cohold(&with_out(&[&question, more].concat(), folder)).spawn().expect("cohold runs"))
     };
     let (whole, shards) = (folder("sample-whole"), folder("sample-shards"));
     assert_eq!(with(&whole, &[])["new_runs"], 40);
@@ -350,7 +349,7 @@ fn another_question_and_bad_ones_are_refused() {
     let (folder, _) = undisturbed("refused");
     let before = journals(&folder);
     let refused = |arguments: &[&str], names: &[&str]| {
-        let output = host_sim(arguments).output().expect("host-sim runs");
+        let output = cohold(arguments).output().expect("cohold runs");
         let error = String::from_utf8_lossy(&output.stderr);
         assert_eq!((output.status.code(), error.trim_end().lines().count()), (Some(2), 1), "{arguments:?}: {error}");
         names.iter().for_each(|name| assert!(error.contains(name), "{arguments:?}: {name:?} is missing in: {error}"));

@@ -12,16 +12,16 @@ fn the_widest_program_that_the_processor_has_runs() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("vectors");
     let _ = fs::remove_dir_all(&folder);
     fs::create_dir_all(&folder).expect("a folder");
-    let program = folder.join("host-sim");
-    fs::copy(env!("CARGO_BIN_EXE_host-sim"), &program).expect("a copy");
+    let program = folder.join("cohold");
+    fs::copy(env!("CARGO_BIN_EXE_cohold"), &program).expect("a copy");
     let said = |most: &str| {
         let mut command = Command::new(&program);
-        let output = command.args(["listing of", "--json"]).env("HOST_SIM_VECTORS", most).output().expect("it runs");
+        let output = command.args(["listing of", "--json"]).env("COHOLD_VECTORS", most).output().expect("it runs");
         String::from_utf8(output.stdout).expect("text")
     };
     let alone = said("");
     for level in ["x86-64-v3", "x86-64-v4"] {
-        let wider = folder.join(format!("host-sim-{level}"));
+        let wider = folder.join(format!("cohold-{level}"));
         fs::write(&wider, format!("#!/bin/sh\nprintf '{level} %s.' \"$@\"\n")).expect("a file");
         fs::set_permissions(&wider, fs::Permissions::from_mode(0o755)).expect("permissions");
     }
@@ -37,12 +37,12 @@ fn the_widest_program_that_the_processor_has_runs() {
 #[test]
 fn a_word_that_is_no_level_is_refused() {
     for wrong in ["v4", "x86-64-v5", "Compiled"] {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+        let mut command = Command::new(env!("CARGO_BIN_EXE_cohold"));
         let output =
-            command.args(["recording", "columns", "--json"]).env("HOST_SIM_VECTORS", wrong).output().expect("it runs");
+            command.args(["recording", "columns", "--json"]).env("COHOLD_VECTORS", wrong).output().expect("it runs");
         let said = String::from_utf8(output.stderr).expect("text");
         let must = "it must be x86-64-v4, x86-64-v3 or compiled, or not be set";
-        assert_eq!(said, format!("host-sim: HOST_SIM_VECTORS = {wrong:?} is not allowed: {must}\n"));
+        assert_eq!(said, format!("cohold: COHOLD_VECTORS = {wrong:?} is not allowed: {must}\n"));
         assert_eq!((output.status.code(), output.stdout.as_slice()), (Some(2), &b""[..]));
     }
 }

@@ -1,6 +1,6 @@
 //! See `src/playout.rs`.
 #![no_main]
 
-use haptic_protocol_fuzz::TARGETS;
+use cohold_protocol_fuzz::TARGETS;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| (TARGETS[5].1)(bytes));

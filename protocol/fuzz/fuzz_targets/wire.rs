@@ -1,6 +1,6 @@
 //! See `src/wire.rs`.
 #![no_main]
 
-use haptic_protocol_fuzz::TARGETS;
+use cohold_protocol_fuzz::TARGETS;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| (TARGETS[0].1)(bytes));

@@ -1,10 +1,10 @@
 //! Two ends that say lines of text to each other over links and a wire that the script commands: what is heard is what was said,
 //! whole, once and in order; and in the end all of it. A third says events that are no such lines: they come to something.
 
-use haptic_protocol::lease::Word;
-use haptic_protocol::lines::{END, Heard, LONGEST, Lines, PART};
-use haptic_protocol::link::Link;
-use haptic_protocol::wire::{Event, MAX_DATAGRAM};
+use cohold_protocol::lease::Word;
+use cohold_protocol::lines::{END, Heard, LONGEST, Lines, PART};
+use cohold_protocol::link::Link;
+use cohold_protocol::wire::{Event, MAX_DATAGRAM};
 
 use super::net::Net;
 use super::pair;

@@ -1,6 +1,6 @@
 //! Any datagrams to a link in a session: none is taken, and the session is as it was.
 
-use haptic_protocol::wire::{Flow, MAX_DATAGRAM, VERSION};
+use cohold_protocol::wire::{Flow, MAX_DATAGRAM, VERSION};
 
 use super::pair;
 

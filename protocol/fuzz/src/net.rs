@@ -1,6 +1,6 @@
 //! A network that does as a script says: any message at any time, any number of times, or never.
 
-use haptic_protocol::wire::PeerId;
+use cohold_protocol::wire::PeerId;
 use heapless::Deque;
 
 use super::script::Script;

@@ -1,10 +1,10 @@
 //! Two links that can be made to do anything, shared by the targets `link` and `session`.
 
-use haptic_protocol::ends::Ends;
-use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Link};
-use haptic_protocol::parameters::Parameters;
-use haptic_protocol::wire::{MAX_DATAGRAM, PeerId};
+use cohold_protocol::ends::Ends;
+use cohold_protocol::key::Key;
+use cohold_protocol::link::{Config, Link};
+use cohold_protocol::parameters::Parameters;
+use cohold_protocol::wire::{MAX_DATAGRAM, PeerId};
 
 /// One end of a pair: peer 1 or peer 2, in its n-th life.
 pub(super) fn link(local: u8, life: u8) -> Link {

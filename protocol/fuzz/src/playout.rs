@@ -1,7 +1,7 @@
 //! Packets with any tick at any time. They are played once each and in order; none earlier than the fastest packet's delay and
 //! the depth after it was sent, and none left waiting longer than the slowest packet's and the depth.
 
-use haptic_core::playout::{MOST, Playout};
+use cohold_core::playout::{MOST, Playout};
 
 use super::script::Script;
 

@@ -2,8 +2,8 @@
 
 use std::collections::HashSet;
 
-use haptic_protocol::link::Error;
-use haptic_protocol::replay::{SEQUENCE_LIMIT, Window};
+use cohold_protocol::link::Error;
+use cohold_protocol::replay::{SEQUENCE_LIMIT, Window};
 
 /// Runs one fuzz input, a series of sequence numbers, through a replay window.
 pub(super) fn run(bytes: &[u8]) {

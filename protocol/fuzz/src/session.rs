@@ -1,8 +1,8 @@
 //! Two links and a wire that the script commands: calls in any order at any time, datagrams delivered, dropped, repeated,
 //! altered, peers restarted. No panic; events once and in order; levels within bounds; and in the end they always meet.
 
-use haptic_protocol::link::Stage;
-use haptic_protocol::wire::{Event, Flow, MAX_DATAGRAM, Telemetry};
+use cohold_protocol::link::Stage;
+use cohold_protocol::wire::{Event, Flow, MAX_DATAGRAM, Telemetry};
 
 use super::pair;
 

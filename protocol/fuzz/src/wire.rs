@@ -1,6 +1,6 @@
 //! Any bytes as a message, a greeting and a sealed datagram: no panic, and what is read has one encoding only.
 
-use haptic_protocol::wire::{Greeting, Header, MAX_MESSAGE, Message};
+use cohold_protocol::wire::{Greeting, Header, MAX_MESSAGE, Message};
 
 /// Runs one fuzz input through the message, greeting and datagram parsers.
 pub(super) fn run(bytes: &[u8]) {

@@ -1,4 +1,4 @@
-//! Tables of docs/hardware.md that tests write: `HAPTIC_BLESS=1` writes one, otherwise it must be there.
+//! Tables of docs/hardware.md that tests write: `COHOLD_BLESS=1` writes one, otherwise it must be there.
 
 use std::path::Path;
 
@@ -16,9 +16,9 @@ pub fn table(test: &str, head: &str, rows: &[String]) {
     let line = "|---".repeat(head.matches('|').count() - 1);
     let table = format!("{head}\n{line}|\n{}\n", rows.join("\n"));
     let new = format!("{before}{begin}{table}{end}{after}");
-    if std::env::var_os("HAPTIC_BLESS").is_some() {
+    if std::env::var_os("COHOLD_BLESS").is_some() {
         std::fs::write(&path, new).expect("docs/hardware.md can be written");
     } else {
-        assert!(text == new, "the table of docs/hardware.md is not this one; HAPTIC_BLESS=1 writes it:\n{table}");
+        assert!(text == new, "the table of docs/hardware.md is not this one; COHOLD_BLESS=1 writes it:\n{table}");
     }
 }

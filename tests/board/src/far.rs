@@ -1,15 +1,15 @@
-//! A partner far away: the PC beside the board is its partner on the wire and opens nothing ([`Bridge`]); it meets host-sim's peer, in virtual time.
+//! A partner far away: the PC beside the board is its partner on the wire and opens nothing ([`Bridge`]); it meets cohold's peer, in virtual time.
 //!
 //! Between the two are a meeting place and, unless it is cut, a direct path. Nothing of the board is told of any of this.
 
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
-use haptic_homes::Way;
-use haptic_homes::bridge::Bridge;
-use haptic_homes::carrier::{Carrier, Config};
-use haptic_homes::place::Place;
-use haptic_protocol::key::Key;
+use cohold_homes::Way;
+use cohold_homes::bridge::Bridge;
+use cohold_homes::carrier::{Carrier, Config};
+use cohold_homes::place::Place;
+use cohold_protocol::key::Key;
 
 use crate::pc::peers_key;
 
@@ -76,7 +76,7 @@ impl Far {
         &mut self,
         now_ns: u64,
         end: usize,
-        turn: impl FnOnce(&mut Carrier, Instant, &mut haptic_homes::Send<'_>),
+        turn: impl FnOnce(&mut Carrier, Instant, &mut cohold_homes::Send<'_>),
     ) {
         let mut sent = Vec::new();
         let now = self.start + Duration::from_nanos(now_ns);

@@ -23,9 +23,9 @@ pub struct Firmware {
     pub(crate) alone: bool,
 }
 
-/// Where `cargo build --release -p firmware --target thumbv7em-none-eabihf` leaves it; `HAPTIC_FIRMWARE` names another.
+/// Where `cargo build --release -p firmware --target thumbv7em-none-eabihf` leaves it; `COHOLD_FIRMWARE` names another.
 pub fn path() -> PathBuf {
-    std::env::var_os("HAPTIC_FIRMWARE").map_or_else(
+    std::env::var_os("COHOLD_FIRMWARE").map_or_else(
         || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/thumbv7em-none-eabihf/firmware/firmware"),
         PathBuf::from,
     )
@@ -38,7 +38,7 @@ impl Firmware {
     /// It is not there, with the command that makes it.
     pub fn read(path: &Path) -> Self {
         let bytes = std::fs::read(path).unwrap_or_else(|error| {
-            panic!("{}: {error}; `cargo xtask board` builds it, or HAPTIC_FIRMWARE names it", path.display())
+            panic!("{}: {error}; `cargo xtask board` builds it, or COHOLD_FIRMWARE names it", path.display())
         });
         let file = object::File::parse(&*bytes).expect("the image is ELF");
         let symbols =

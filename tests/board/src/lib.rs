@@ -1,20 +1,20 @@
-//! The test bench: the unmodified release image on a virtual NUCLEO-H743ZI2, closed around host-sim's plant.
+//! The test bench: the unmodified release image on a virtual NUCLEO-H743ZI2, closed around cohold's plant.
 //!
 //! From the outside in:
 //!
 //! | module | holds |
 //! |---|---|
 //! | [`mod@bench`] | two boards, their devices and a PC on one wire, running a scene; what they did, tick by tick |
-//! | [`trial`] | a scene on two boards from power-on to the figures of merit, beside host-sim's |
+//! | [`trial`] | a scene on two boards from power-on to the figures of merit, beside cohold's |
 //! | [`budget`] | the reviewed budgets and what was measured |
 //! | [`cost`] | instructions of every tick |
 //! | [`stack`] | static stack: the deepest path from an interrupt or a task |
 //! | [`reviewed`] | what the emulator does not model, against a reviewed list |
-//! | [`twin`] | the same scene in host-sim, in f32: what the boards must equal, bit for bit |
+//! | [`twin`] | the same scene in cohold, in f32: what the boards must equal, bit for bit |
 //! | [`wire`] | the switch between boards and PC: delay, and whatever a bad network does |
-//! | [`partner`] | host-sim's live peer in place of the second board |
+//! | [`partner`] | cohold's live peer in place of the second board |
 //! | [`far`] | that peer far away, by the PC beside the board, a meeting place and a direct path |
-//! | [`pc`] | the operator's PC: ARP, and host-sim's operator |
+//! | [`pc`] | the operator's PC: ARP, and cohold's operator |
 //! | [`node`] | one board in a process of its own, stepped from outside |
 //! | `memo` | boards that are booted once and forked |
 //! | `process` | processes that answer orders, and of which copies can be made: all that is unsafe |

@@ -1,14 +1,14 @@
-//! host-sim's live peer at the other end of the wire, in place of a second board: the same bytes, in virtual time.
+//! cohold's live peer at the other end of the wire, in place of a second board: the same bytes, in virtual time.
 //!
 //! It is peer 2 (or 1) under that board's addresses, speaks UDP and answers ARP; what it says and takes is
-//! [`Node`]'s, the lines that `host-sim peer` runs. Or it is far away, and only a PC is there ([`Far`]).
+//! [`Node`]'s, the lines that `cohold peer` runs. Or it is far away, and only a PC is there ([`Far`]).
 
 use std::net::SocketAddr;
 
-use haptic_cli::Failure;
-use haptic_live::node::Node;
-use haptic_protocol::key::Key;
-use haptic_sim::scene::Scene;
+use cohold_cli::Failure;
+use cohold_live::node::Node;
+use cohold_protocol::key::Key;
+use cohold_sim::scene::Scene;
 
 use crate::far::Far;
 use crate::pc::{board_ip, board_mac, peers_key, resolved, udp};
@@ -16,7 +16,7 @@ use crate::pc::{board_ip, board_mac, peers_key, resolved, udp};
 /// Port of the flow, at both ends.
 const FLOW: u16 = 7701;
 
-/// host-sim's peer as a partner on the wire.
+/// cohold's peer as a partner on the wire.
 #[derive(Debug)]
 pub struct Partner {
     /// The peer with its device and link.
@@ -34,7 +34,7 @@ impl Partner {
     /// Peer `number` (1 or 2) of the scene, calling.
     ///
     /// # Errors
-    /// What host-sim refuses.
+    /// What cohold refuses.
     pub fn new(scene: &Scene, number: usize) -> Result<Self, Failure> {
         let node = Node::new(scene, number as u8, peers_key(), [0x77; Key::LEN])?;
         Ok(Self { node, number, out: Vec::new(), refused: 0, far: None })

@@ -1,17 +1,17 @@
-//! The operator's PC on the wire: answers ARP, and has host-sim's own operator session with each board, in virtual time.
+//! The operator's PC on the wire: answers ARP, and has cohold's own operator session with each board, in virtual time.
 //!
 //! The least that carries it: Ethernet II, ARP, IPv4 without options, UDP without checksum.
 
 use std::net::{SocketAddr, UdpSocket};
 use std::path::Path;
 
+use cohold_board_tools::operator::{PORT, Session};
+use cohold_live::recording::ticks::{BoardTicks, board_channels};
+use cohold_live::recording::{mcap::INFO, origin::Origin, recorder::Recorder};
+use cohold_protocol::key::{Key, Role};
+use cohold_protocol::wire::MAX_DATAGRAM;
+use cohold_report::Provenance;
 use firmware_parts::record::{CODE, Record};
-use haptic_board_tools::operator::{PORT, Session};
-use haptic_live::recording::ticks::{BoardTicks, board_channels};
-use haptic_live::recording::{mcap::INFO, origin::Origin, recorder::Recorder};
-use haptic_protocol::key::{Key, Role};
-use haptic_protocol::wire::MAX_DATAGRAM;
-use haptic_report::Provenance;
 
 /// Ethernet address of the PC.
 pub const MAC: [u8; 6] = [0x02, 0, 0, 0, 0, 0x10];
@@ -64,7 +64,7 @@ pub struct Pc {
     pub away: bool,
     /// It only carries datagrams between board 1 and whoever wrote to this socket last.
     carries: Option<(UdpSocket, Option<SocketAddr>)>,
-    /// What is recorded of each board, as `host-sim board operator --record` does.
+    /// What is recorded of each board, as `cohold board operator --record` does.
     recordings: [Option<(BoardTicks, Recorder)>; 2],
 }
 

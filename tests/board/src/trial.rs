@@ -1,16 +1,16 @@
 //! A scene on two boards, from power-on to the figures of merit: what `cargo xtask board` runs and what tests compare.
 //!
-//! Figures are formed as host-sim forms its own (means over the last half, decoded at peer 2), from what the boards reported
-//! over telemetry, tick by tick; host-sim's f32 run of the same scene stands beside them.
+//! Figures are formed as cohold forms its own (means over the last half, decoded at peer 2), from what the boards reported
+//! over telemetry, tick by tick; cohold's f32 run of the same scene stands beside them.
 
 use std::sync::Arc;
 use std::time::Instant;
 
+use cohold_cli::Failure;
+use cohold_sim::network::rule::{Direction, of_scene};
+use cohold_sim::run::{Accounts, Options, Outcome, Ticked};
+use cohold_sim::scene::Scene;
 use firmware_parts::record::{ENGAGED, RECEIVED, Record, SENT};
-use haptic_cli::Failure;
-use haptic_sim::network::rule::{Direction, of_scene};
-use haptic_sim::run::{Accounts, Options, Outcome, Ticked};
-use haptic_sim::scene::Scene;
 
 use crate::bench::{Bench, for_boards};
 use crate::cost;
@@ -26,8 +26,8 @@ pub struct Trial {
     pub scene: Scene,
     /// Figures of merit and curves of the boards.
     pub boards: Outcome,
-    /// Figures of merit and curves of host-sim, in f32.
-    pub host_sim: Outcome,
+    /// Figures of merit and curves of cohold, in f32.
+    pub cohold: Outcome,
     /// Ticks that were due and did not come, came late, or are missing from telemetry; both boards.
     pub ticks_missed: u64,
     /// Packets that the ticks made since arming; both boards.
@@ -38,7 +38,7 @@ pub struct Trial {
     pub packets_dropped: u64,
     /// Frames that the wire lost.
     pub wire_lost: u64,
-    /// Ticks of both boards whose bits equal host-sim's; on a bad line, or where a line counts from arming on, of a host-sim
+    /// Ticks of both boards whose bits equal cohold's; on a bad line, or where a line counts from arming on, of a cohold
     /// that is given the same arrivals, from arming on.
     pub equal: Equal,
     /// Comparison of each board's ticks with its recorded inputs from arming on, run again here.
@@ -66,7 +66,7 @@ pub fn line(scene: &Scene) -> Result<Line, Failure> {
     }
     if network.clock_drift_ppm != 0.0 || network.playout_packets != 0 {
         return Err("the boards' clocks do not drift and have no play-out buffer: leave network.clock_drift_ppm and \
-                    network.playout_packets alone; `host-sim cooperate` runs them"
+                    network.playout_packets alone; `cohold cooperate` runs them"
             .into());
     }
     let timing = &scene.peer.timing;
@@ -98,7 +98,7 @@ pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Tria
     let given = of_scene(&scene, Direction::OneToTwo, 0).is_some() || scene.law().own_time;
     let ticks = (seconds / scene.peer.timing.control_period_s).round() as u64;
     let options = Options::recorded(seconds, scene.peer.timing.control_period_s);
-    let host_sim = haptic_sim::run::run::<f32>(&scene, options, &|_| {})?;
+    let cohold = cohold_sim::run::run::<f32>(&scene, options, &|_| {})?;
     let wall = Instant::now();
     let mut bench = Bench::start(firmware, 2, line);
     bench.set_up(&scene)?;
@@ -136,7 +136,7 @@ pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Tria
     let both = [&*records[0], &*records[1]];
     let settings = scene.peers();
     Ok(Trial {
-        boards: outcome(both, &scene, &host_sim, options),
+        boards: outcome(both, &scene, &cohold, options),
         ticks_missed: late + records.iter().map(|records| gaps(records)).sum::<u64>(),
         packets_sent: flagged(SENT),
         packets_received: flagged(RECEIVED),
@@ -149,12 +149,12 @@ pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Tria
         records,
         reports,
         wall_s,
-        host_sim,
+        cohold,
         scene,
     })
 }
 
-/// What host-sim forms of a run of its own (host-sim/sim/src/run), of what the boards recorded.
+/// What cohold forms of a run of its own (host-sim/sim/src/run), of what the boards recorded.
 fn outcome(both: [&[Record]; 2], scene: &Scene, like: &Outcome, options: Options) -> Outcome {
     let ticks = both.map(<[Record]>::len).into_iter().min().unwrap_or(0);
     let mut account = Accounts::<1>::new(scene, ticks as u64, options);

@@ -1,28 +1,28 @@
-//! The same scene in host-sim, in f32, and one tick of a board on this PC: what a board must equal, bit for bit.
+//! The same scene in cohold, in f32, and one tick of a board on this PC: what a board must equal, bit for bit.
 //!
-//! Three comparisons that fail for different reasons. [`closed_loop`]: host-sim runs the scene on its own, and every tick of
+//! Three comparisons that fail for different reasons. [`closed_loop`]: cohold runs the scene on its own, and every tick of
 //! both peers must give the state that the boards had. [`closed_loop_given`]: the same on a bad line, where the boards say
-//! which packets arrived when, and nothing else: every one must be, to the bit, one that host-sim's other peer had sent by
+//! which packets arrived when, and nothing else: every one must be, to the bit, one that cohold's other peer had sent by
 //! then. [`replay`]: one board's recorded inputs go through the same code here, and the whole record must come out again,
 //! motor duties included.
 
 use std::array::from_fn;
 use std::collections::BTreeMap;
 
+use cohold_core::contact::Contact;
+use cohold_core::device::{AXES, Reading};
+use cohold_core::law::{AnyLaw, Packet};
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::peer::{Observed, Peer, Sensors};
+use cohold_core::safety::Command;
+use cohold_core::sample::OfAxis;
+use cohold_core::settings::Settings;
+use cohold_protocol::peer::{flow_of, packets_of};
+use cohold_sim::pair::Pair;
+use cohold_sim::peers::Builds;
+use cohold_sim::plant::Plant;
+use cohold_sim::scene::Scene;
 use firmware_parts::record::{self, Record, digest};
-use haptic_core::contact::Contact;
-use haptic_core::device::{AXES, Reading};
-use haptic_core::law::{AnyLaw, Packet};
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::peer::{Observed, Peer, Sensors};
-use haptic_core::safety::Command;
-use haptic_core::sample::OfAxis;
-use haptic_core::settings::Settings;
-use haptic_protocol::peer::{flow_of, packets_of};
-use haptic_sim::pair::Pair;
-use haptic_sim::peers::Builds;
-use haptic_sim::plant::Plant;
-use haptic_sim::scene::Scene;
 
 /// How far two runs are the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,10 +47,10 @@ fn compare(mut same: impl FnMut(u64) -> bool, ticks: u64) -> Equal {
     Equal { ticks: first_difference.unwrap_or(ticks), first_difference }
 }
 
-/// host-sim's run of the scene against both boards' ticks since arming.
+/// cohold's run of the scene against both boards' ticks since arming.
 ///
 /// # Panics
-/// host-sim refuses the scene.
+/// cohold refuses the scene.
 pub fn closed_loop(scene: &Scene, boards: [&[Record]; 2]) -> Equal {
     let mut pair = Pair::<f32>::new(scene).expect("the boards took it");
     let ticks = boards.iter().map(|records| records.len()).min().unwrap_or(0) as u64;
@@ -74,11 +74,11 @@ pub fn closed_loop(scene: &Scene, boards: [&[Record]; 2]) -> Equal {
 /// How far back a packet may come from, packet periods.
 const LATEST: usize = 64;
 
-/// host-sim's peers and devices, given the arrivals that the boards had, against both boards' ticks since the first of them
+/// cohold's peers and devices, given the arrivals that the boards had, against both boards' ticks since the first of them
 /// was armed; the devices begin to move where the boards' did.
 ///
 /// # Panics
-/// host-sim refuses the scene.
+/// cohold refuses the scene.
 pub fn closed_loop_given(scene: &Scene, boards: [Armed<'_>; 2]) -> Equal {
     closed_loop_ordered(scene, boards, &[])
 }
@@ -87,7 +87,7 @@ pub fn closed_loop_given(scene: &Scene, boards: [Armed<'_>; 2]) -> Equal {
 /// comparison, and which. When an order reached its tick a record does not say: what it changes does.
 ///
 /// # Panics
-/// host-sim refuses the scene.
+/// cohold refuses the scene.
 pub fn closed_loop_ordered(scene: &Scene, boards: [Armed<'_>; 2], orders: &[(usize, u64, Command)]) -> Equal {
     closed_loop_along::<1, AXES>([scene; 2], boards, [&[]; 2], orders, [false; 2])
 }
@@ -96,7 +96,7 @@ pub fn closed_loop_ordered(scene: &Scene, boards: [Armed<'_>; 2], orders: &[(usi
 /// tick ago (`late`).
 ///
 /// # Panics
-/// host-sim refuses a scene.
+/// cohold refuses a scene.
 pub fn closed_loop_late(scenes: [&Scene; 2], boards: [Armed<'_>; 2], late: [bool; 2]) -> Equal {
     closed_loop_along::<1, AXES>(scenes, boards, [&[]; 2], &[], late)
 }
@@ -104,7 +104,7 @@ pub fn closed_loop_late(scenes: [&Scene; 2], boards: [Armed<'_>; 2], late: [bool
 /// [`closed_loop_given`] of an object that is shared along three axes: `further` are the boards' ticks along the second and the third.
 ///
 /// # Panics
-/// host-sim refuses the scene.
+/// cohold refuses the scene.
 pub fn closed_loop_shared(scene: &Scene, boards: [Armed<'_>; 2], further: [&[Record]; 2]) -> Equal {
     closed_loop_along::<3, 3>([scene; 2], boards, further, &[], [false; 2])
 }

@@ -1,13 +1,13 @@
 //! The switch between the boards and the PC: a frame goes to the port it is addressed to, or to every other one.
 //!
-//! Delay and bad luck are between the boards only; the PC's line is ideal. What becomes of each frame there is host-sim's to
+//! Delay and bad luck are between the boards only; the PC's line is ideal. What becomes of each frame there is cohold's to
 //! say ([`Rule`]: drawn from the scene's network, or read from a trace): greetings and ARP fare as flow does. A frame that is to
 //! arrive between two stops arrives at the later one.
 
 use std::collections::VecDeque;
 
-use haptic_sim::network::rule::{Arrival, Direction, Fate, Rule, of_scene};
-use haptic_sim::scene::Scene;
+use cohold_sim::network::rule::{Arrival, Direction, Fate, Rule, of_scene};
+use cohold_sim::scene::Scene;
 
 use crate::pc::{MAC, board_mac};
 

@@ -1,6 +1,6 @@
 //! Instructions of every numerical choice on the processor of the board, a Cortex-M7 with its double-precision FPU.
 //!
-//! The cases are those that callgrind counts on a PC (`haptic-cases`). Here they run on
+//! The cases are those that callgrind counts on a PC (`cohold-cases`). Here they run on
 //! QEMU, where a timer counts instructions (`lib.rs`). `cargo xtask count` runs this and compares.
 //!
 //! Needs `qemu-system-arm` (Debian's 7.2 will do). Instructions, not cycles: QEMU has no pipeline and no memory latency.
@@ -18,9 +18,9 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use cortex_m_rt::entry;
 use cortex_m_semihosting::hprintln;
-use haptic_cases::{Case, Meter};
-use haptic_core::num::{Fixed, Scalar};
-use haptic_laws::EveryLaw;
+use cohold_cases::{Case, Meter};
+use cohold_core::num::{Fixed, Scalar};
+use cohold_laws::EveryLaw;
 
 #[global_allocator]
 static HEAP: heap::Heap = heap::Heap::new();
@@ -70,9 +70,9 @@ fn main() -> ! {
     }
     counting::start();
     let columns = [
-        count(haptic_cases::all::<f32, EveryLaw<f32>, Timer>()),
-        count(haptic_cases::all::<f64, EveryLaw<f64>, Timer>()),
-        count(haptic_cases::all::<Fixed, EveryLaw<Fixed>, Timer>()),
+        count(cohold_cases::all::<f32, EveryLaw<f32>, Timer>()),
+        count(cohold_cases::all::<f64, EveryLaw<f64>, Timer>()),
+        count(cohold_cases::all::<Fixed, EveryLaw<Fixed>, Timer>()),
     ];
     hprintln!("# Instructions per call, Cortex-M7 (thumbv7em, QEMU), release build; tick/… per tick of a whole peer.");
     hprintln!("# Counted by `cargo xtask count`. Instructions, not cycles.");

@@ -1,10 +1,10 @@
-//! A second opinion on the processor: haptic-core alone under QEMU's Cortex-M7, which shares nothing with the virtual board.
+//! A second opinion on the processor: cohold-core alone under QEMU's Cortex-M7, which shares nothing with the virtual board.
 //!
 //! `cargo xtask test --only qemu` runs it. What it is to do comes over semihosting, as its command line:
 //!
 //! | words | does |
 //! |---|---|
-//! | `replay FILE` | replays a recording of `host-sim board record`; prints ticks and hash |
+//! | `replay FILE` | replays a recording of `cohold board record`; prints ticks and hash |
 //! | `panic FILE` | the same, and in the middle of it an index out of range |
 //! | `overflow FILE` | the same, and in the middle of it a recursion without end |
 //!
@@ -19,7 +19,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln, nr, syscall};
-use haptic_cases::replay;
+use cohold_cases::replay;
 
 /// The motors' outputs; 0 is off.
 #[unsafe(no_mangle)]
@@ -109,7 +109,7 @@ fn main() -> ! {
         debug::exit(debug::EXIT_FAILURE);
         loop {}
     };
-    let each = |tick: u64, actuators: &haptic_core::peer::Actuators<f32>| {
+    let each = |tick: u64, actuators: &cohold_core::peer::Actuators<f32>| {
         OUTPUTS.store(if actuators.enable { u32::MAX } else { 0 }, Ordering::SeqCst);
         TICKS.store(tick as u32 + 1, Ordering::Relaxed);
         if tick == WRONG && mode == "panic" {

@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use haptic_rig::{page, shown};
+use cohold_rig::{page, shown};
 
 fn main() -> ExitCode {
     if !std::env::args().any(|word| word == "--page") {

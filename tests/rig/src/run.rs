@@ -28,7 +28,7 @@ pub trait Boards {
     fn codes(&mut self) -> [Vec<i16>; 2];
     /// Adds how often each has come since this was asked last.
     fn came(&mut self, came: &mut Came);
-    /// What host-sim's bring-up says of the emergency stop: what was seen of it, or why it does not pass. These are the orders to the rig where a
+    /// What cohold's bring-up says of the emergency stop: what was seen of it, or why it does not pass. These are the orders to the rig where a
     /// person would press the stop, and release it.
     fn stop_is_seen(&mut self, pressed: &[&str], released: &[&str]) -> Outcome;
     /// Waits until a board that started anew answers its operator.

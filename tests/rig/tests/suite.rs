@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use haptic_rig::list::{TESTS, Wire};
-use haptic_rig::{page, shown};
+use cohold_rig::list::{TESTS, Wire};
+use cohold_rig::{page, shown};
 
 fn place(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)

@@ -9,8 +9,8 @@ use std::hint::black_box;
 use std::process::Command;
 use std::time::Instant;
 
-use haptic_protocol::cipher::{portable, ring as rings};
-use haptic_protocol::key::Key;
+use cohold_protocol::cipher::{portable, ring as rings};
+use cohold_protocol::key::Key;
 use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, Nonce, UnboundKey};
 
 /// Calls in a round.

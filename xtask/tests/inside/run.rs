@@ -3,7 +3,7 @@ use super::*;
 /// Two checkouts with one target folder run one binary; each is to work on its own files.
 #[test]
 fn the_checkout_is_that_of_the_package_or_else_of_the_directory() {
-    let folder = std::env::temp_dir().join(format!("haptic-xtask-{}", std::process::id()));
+    let folder = std::env::temp_dir().join(format!("cohold-xtask-{}", std::process::id()));
     let [one, other] = ["one", "other"].map(|name| folder.join(name));
     for root in [&one, &other] {
         let xtask = root.join("xtask");

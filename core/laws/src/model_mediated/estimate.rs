@@ -1,6 +1,6 @@
 //! Recursive least squares of four parameters with forgetting: θ and P of [`super`].
 
-use haptic_core::num::Scalar;
+use cohold_core::num::Scalar;
 
 /// Recursive least squares of four parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]

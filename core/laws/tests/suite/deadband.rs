@@ -1,10 +1,10 @@
 //! Deadband coding: Weber's law on a ramp, and what the receiver goes on at between packets, in closed form.
 
 use crate::setup;
-use haptic_core::law::{Coupled, Law, Observation, Packet};
-use haptic_core::num::Motion;
-use haptic_core::settings::Settings;
-use haptic_laws::deadband::{Deadband, PassiveDeadband};
+use cohold_core::law::{Coupled, Law, Observation, Packet};
+use cohold_core::num::Motion;
+use cohold_core::settings::Settings;
+use cohold_laws::deadband::{Deadband, PassiveDeadband};
 
 /// Silence for 50 ms.
 fn settings(law: &'static str, own: &[(&str, f64)]) -> Settings {

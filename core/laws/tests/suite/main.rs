@@ -22,8 +22,8 @@ mod total;
 #[path = "../../../tests/suite/two_copies.rs"]
 mod two_copies;
 
-use haptic_core::schema::Schema;
-use haptic_laws::{EveryLaw as AnyLaw, LAWS};
+use cohold_core::schema::Schema;
+use cohold_laws::{EveryLaw as AnyLaw, LAWS};
 
 const SCHEMA: Schema = Schema::new(LAWS);
 
@@ -33,23 +33,23 @@ const BOUNDED: &[&str] = &["wave-integral", "wave-compensator"];
 /// A law that was put into one list alone would be missing on a board, or in the simulator.
 #[test]
 fn every_law_is_in_the_list_of_all_and_once() {
-    use haptic_core::law::{AnyLaw as OfCore, Law};
-    let sorted = |laws: &[&[haptic_core::law::LawInfo]]| {
+    use cohold_core::law::{AnyLaw as OfCore, Law};
+    let sorted = |laws: &[&[cohold_core::law::LawInfo]]| {
         let mut names: Vec<_> = laws.iter().flat_map(|laws| laws.iter()).map(|law| law.name).collect();
         names.sort_unstable();
         names
     };
-    let both = [<OfCore<f64> as Law<f64>>::LAWS, haptic_laws::OtherLaw::<f64>::LAWS];
+    let both = [<OfCore<f64> as Law<f64>>::LAWS, cohold_laws::OtherLaw::<f64>::LAWS];
     assert_eq!(sorted(&[LAWS]), sorted(&both));
 }
 
 /// Every peer has room for the largest state: a law that is new must not make it larger.
 #[test]
 fn no_state_of_a_law_is_larger_than_the_self_timed_line_s() {
-    use haptic_core::law::{Law, self_timed::SelfTimed};
+    use cohold_core::law::{Law, self_timed::SelfTimed};
     let largest = size_of::<<SelfTimed<f32> as Law<f32>>::State>();
-    let room = size_of::<haptic_laws::EveryLawState<f32>>();
+    let room = size_of::<cohold_laws::EveryLawState<f32>>();
     assert!(room <= largest + 8, "{room} bytes, {largest} of the line");
-    let fractal = size_of::<<haptic_laws::fractal_impedance::FractalImpedance<f32> as Law<f32>>::State>();
+    let fractal = size_of::<<cohold_laws::fractal_impedance::FractalImpedance<f32> as Law<f32>>::State>();
     assert!(fractal < largest / 2, "{fractal} bytes");
 }

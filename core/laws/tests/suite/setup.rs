@@ -1,7 +1,7 @@
 //! Settings of a law that is solved together with the copy.
 
-use haptic_core::object::IntegratorName;
-use haptic_core::settings::{Settings, Value};
+use cohold_core::object::IntegratorName;
+use cohold_core::settings::{Settings, Value};
 
 /// A packet a tick of 1 ms, K_T of 1000 N/m, and keys of the law's own.
 pub(crate) fn settings(law: &'static str, own: &[(&str, f64)]) -> Settings {

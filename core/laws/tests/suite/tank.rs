@@ -1,15 +1,15 @@
 //! Laws that pay for their energy, one end at a time: numbers of their papers and closed forms.
 
 use crate::setup::settings;
-use haptic_core::contact::Side;
-use haptic_core::law::{Coupled, Law, Observation, Packet};
-use haptic_core::num::Motion;
-use haptic_core::settings::{Settings, Value};
-use haptic_laws::passive_spring::PassiveSpring;
-use haptic_laws::set_position::SetPosition;
-use haptic_laws::two_layer::TwoLayer;
-use haptic_laws::wave_compensator::WaveCompensator;
-use haptic_laws::wave_integral::WaveIntegral;
+use cohold_core::contact::Side;
+use cohold_core::law::{Coupled, Law, Observation, Packet};
+use cohold_core::num::Motion;
+use cohold_core::settings::{Settings, Value};
+use cohold_laws::passive_spring::PassiveSpring;
+use cohold_laws::set_position::SetPosition;
+use cohold_laws::two_layer::TwoLayer;
+use cohold_laws::wave_compensator::WaveCompensator;
+use cohold_laws::wave_integral::WaveIntegral;
 
 /// A law with its state, and a copy that moves on command.
 struct End<L: Law<f64>> {

@@ -1,15 +1,15 @@
 //! What the object takes is what the device gives: impacts and rest in a whole peer, beside a device that is nothing but a
 //! mass under the forces that were commanded, which act up to a tick late.
 
-use haptic_core::contact::{RenderingName, Side};
-use haptic_core::device::{AXES, Reading};
-use haptic_core::law::AnyLaw;
-use haptic_core::names::Decode;
-use haptic_core::num::Motion;
-use haptic_core::object::IntegratorName;
-use haptic_core::peer::{Peer, Sensors};
-use haptic_core::safety::{Command, Fault, Mode};
-use haptic_core::settings::Settings;
+use cohold_core::contact::{RenderingName, Side};
+use cohold_core::device::{AXES, Reading};
+use cohold_core::law::AnyLaw;
+use cohold_core::names::Decode;
+use cohold_core::num::Motion;
+use cohold_core::object::IntegratorName;
+use cohold_core::peer::{Peer, Sensors};
+use cohold_core::safety::{Command, Fault, Mode};
+use cohold_core::settings::Settings;
 
 use super::setup::Random;
 

@@ -1,7 +1,7 @@
 //! Many bodies, many impacts in every step, against solutions that know nothing of impacts.
 
-use haptic_core::contact::impact::{Body, Wall, advance};
-use haptic_core::num::Scalar;
+use cohold_core::contact::impact::{Body, Wall, advance};
+use cohold_core::num::Scalar;
 
 use super::setup::{Random, body, energy, mass, momentum};
 

@@ -1,8 +1,8 @@
 //! One impact at a time, a million of them: every one is built backwards from the instant of impact, so that where, when
 //! and with what result is known in closed form. Then what is special: grazes, overlaps, simultaneous impacts, collapse.
 
-use haptic_core::contact::impact::{MOST, Wall, advance};
-use haptic_core::num::{Fixed, Scalar};
+use cohold_core::contact::impact::{MOST, Wall, advance};
+use cohold_core::num::{Fixed, Scalar};
 
 use super::setup::{Random, body, energy, momentum};
 

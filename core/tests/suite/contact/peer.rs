@@ -1,13 +1,13 @@
 //! Impulsive contact in a whole peer: crossings at every speed, the pulse, the limits above it and the account.
 
-use haptic_core::contact::{RenderingName, Side};
-use haptic_core::device::{AXES, Reading};
-use haptic_core::law::AnyLaw;
-use haptic_core::num::{Fixed, Motion, Scalar};
-use haptic_core::object::IntegratorName;
-use haptic_core::peer::{Peer, Sensors};
-use haptic_core::safety::{Command, Mode};
-use haptic_core::settings::Settings;
+use cohold_core::contact::{RenderingName, Side};
+use cohold_core::device::{AXES, Reading};
+use cohold_core::law::AnyLaw;
+use cohold_core::num::{Fixed, Motion, Scalar};
+use cohold_core::object::IntegratorName;
+use cohold_core::peer::{Peer, Sensors};
+use cohold_core::safety::{Command, Mode};
+use cohold_core::settings::Settings;
 
 fn settings() -> Settings {
     let mut settings = Settings::default();

@@ -1,7 +1,7 @@
 //! Random numbers from a seed, and sums over bodies in f64, whatever they compute in.
 
-use haptic_core::contact::impact::Body;
-use haptic_core::num::{Motion, Scalar};
+use cohold_core::contact::impact::Body;
+use cohold_core::num::{Motion, Scalar};
 
 /// splitmix64.
 pub(crate) struct Random(pub(crate) u64);

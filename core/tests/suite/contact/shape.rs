@@ -1,10 +1,10 @@
 //! A shape of springs and dampers: against the one-dimensional contact, against geometry, against energy.
 
-use haptic_core::contact::continuous::Contact;
-use haptic_core::contact::shape::{Edge, Shape, edges};
-use haptic_core::num::{Fixed, Motion, Scalar};
-use haptic_core::object::{AnyIntegrator, IntegratorName};
-use haptic_core::settings::Settings;
+use cohold_core::contact::continuous::Contact;
+use cohold_core::contact::shape::{Edge, Shape, edges};
+use cohold_core::num::{Fixed, Motion, Scalar};
+use cohold_core::object::{AnyIntegrator, IntegratorName};
+use cohold_core::settings::Settings;
 use proptest::prelude::*;
 
 const STIFFNESS: f64 = 800.0;

@@ -1,6 +1,6 @@
 //! Lawrence's hybrid matrix, entry by entry, and what spoils it.
 
-use haptic_core::num::Motion;
+use cohold_core::num::Motion;
 
 use crate::two_copies::{Copies, PERIOD, Phasor, settings, swing};
 

@@ -1,6 +1,6 @@
 //! A spring and a damper to the ground: where copies stand, what they drag, and up to which delay they are passive.
 
-use haptic_core::settings::Settings;
+use cohold_core::settings::Settings;
 
 use crate::two_copies::{Copies, PERIOD, SOFT, settings};
 

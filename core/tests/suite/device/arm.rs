@@ -1,9 +1,9 @@
 //! The arm in space against inverse kinematics by the law of cosines, finite differences and the duality of force and motion.
 
-use haptic_core::device::kinematics::AnySpatial;
-use haptic_core::device::kinematics::arm::MIN_SHARE;
-use haptic_core::num::{Fixed, Motion, Scalar};
-use haptic_core::settings::{Settings, Value};
+use cohold_core::device::kinematics::AnySpatial;
+use cohold_core::device::kinematics::arm::MIN_SHARE;
+use cohold_core::num::{Fixed, Motion, Scalar};
+use cohold_core::settings::{Settings, Value};
 use proptest::prelude::*;
 
 use super::{number, settings};

@@ -1,8 +1,8 @@
 //! Combinations that no single range can refuse.
 
-use haptic_core::device::kinematics::{KinematicsName, Maths};
-use haptic_core::device::velocity::VelocityName;
-use haptic_core::settings::{Allowed, Choice, Value};
+use cohold_core::device::kinematics::{KinematicsName, Maths};
+use cohold_core::device::velocity::VelocityName;
+use cohold_core::settings::{Allowed, Choice, Value};
 
 use super::{number, settings};
 

@@ -2,12 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use haptic_core::device::current::{
+use cohold_core::device::current::{
     Controller, CurrentLoop, Gains, MOST_VOLTAGE, PWM_PERIOD_S, Sensor, lag_s, periods_per_tick,
 };
-use haptic_core::device::motor::Duty;
-use haptic_core::device::thermal::{HOT, Heat, Thermal, Thermistor};
-use haptic_core::settings::{Settings, Value};
+use cohold_core::device::motor::Duty;
+use cohold_core::device::thermal::{HOT, Heat, Thermal, Thermistor};
+use cohold_core::settings::{Settings, Value};
 use proptest::prelude::*;
 
 use super::{number, settings};

@@ -1,8 +1,8 @@
 //! Encoder against brute force.
 
-use haptic_core::device::encoder::{Counts, Encoder, EncoderState};
-use haptic_core::num::{Fixed, Scalar};
-use haptic_core::settings::Value;
+use cohold_core::device::encoder::{Counts, Encoder, EncoderState};
+use cohold_core::num::{Fixed, Scalar};
+use cohold_core::settings::Value;
 use proptest::prelude::*;
 
 use super::{number, settings};

@@ -1,9 +1,9 @@
 //! Mechanisms against inverse kinematics, finite differences and the duality of force and motion.
 
-use haptic_core::device::kinematics::five_bar::MIN_SINE;
-use haptic_core::device::kinematics::{AnyKinematics, Pose};
-use haptic_core::num::{Fixed, Motion, Scalar};
-use haptic_core::settings::{Settings, Value};
+use cohold_core::device::kinematics::five_bar::MIN_SINE;
+use cohold_core::device::kinematics::{AnyKinematics, Pose};
+use cohold_core::num::{Fixed, Motion, Scalar};
+use cohold_core::settings::{Settings, Value};
 use proptest::prelude::*;
 
 use super::{number, settings};

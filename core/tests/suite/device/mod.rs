@@ -9,7 +9,7 @@ mod kinematics;
 mod motor;
 mod velocity;
 
-use haptic_core::settings::{Settings, Value};
+use cohold_core::settings::{Settings, Value};
 
 /// The default settings with some keys changed; whole table and range checks included.
 fn settings(changes: &[(&str, Value<'static>)]) -> Settings {

@@ -1,9 +1,9 @@
 //! Motor and hold against closed forms.
 
-use haptic_core::device::constraint::Hold;
-use haptic_core::device::motor::{self, Duty, Motor};
-use haptic_core::num::{Fixed, Motion, Scalar};
-use haptic_core::settings::{Allowed, Value};
+use cohold_core::device::constraint::Hold;
+use cohold_core::device::motor::{self, Duty, Motor};
+use cohold_core::num::{Fixed, Motion, Scalar};
+use cohold_core::settings::{Allowed, Value};
 use proptest::prelude::*;
 
 use super::{number, settings};

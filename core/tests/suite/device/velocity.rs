@@ -2,10 +2,10 @@
 
 use core::f64::consts::TAU;
 
-use haptic_core::device::velocity::AnyVelocity;
-use haptic_core::device::velocity::adaptive::SLACK;
-use haptic_core::num::{Fixed, Motion, Scalar, StateVector};
-use haptic_core::settings::{Settings, Value};
+use cohold_core::device::velocity::AnyVelocity;
+use cohold_core::device::velocity::adaptive::SLACK;
+use cohold_core::num::{Fixed, Motion, Scalar, StateVector};
+use cohold_core::settings::{Settings, Value};
 use proptest::prelude::*;
 
 use super::{number, settings};

@@ -1,16 +1,16 @@
 //! Four channels at the device, without a spring: a device that takes a force and tells where it is, with the limits and the silences of any peer.
 
-use haptic_core::contact::RenderingName;
-use haptic_core::device::{AXES, Reading};
-use haptic_core::law::degradation::STEP_N;
-use haptic_core::law::{AnyLaw, Packet};
-use haptic_core::names::Decode;
-use haptic_core::num::Motion;
-use haptic_core::object::IntegratorName;
-use haptic_core::peer::{Peer, Sensors};
-use haptic_core::safety::{Command, Fault, Mode};
-use haptic_core::schema::Schema;
-use haptic_core::settings::{Settings, Value};
+use cohold_core::contact::RenderingName;
+use cohold_core::device::{AXES, Reading};
+use cohold_core::law::degradation::STEP_N;
+use cohold_core::law::{AnyLaw, Packet};
+use cohold_core::names::Decode;
+use cohold_core::num::Motion;
+use cohold_core::object::IntegratorName;
+use cohold_core::peer::{Peer, Sensors};
+use cohold_core::safety::{Command, Fault, Mode};
+use cohold_core::schema::Schema;
+use cohold_core::settings::{Settings, Value};
 
 /// A packet each tick, no spring; fading from 24 ms to 50 ms of silence.
 fn settings() -> Settings {

@@ -1,10 +1,10 @@
 //! Backward Euler at a spring that is too stiff for the tick: what a jolt leaves, against the closed form of the linear recurrence.
 
-use haptic_core::law::Packet;
-use haptic_core::law::wave::Decode;
-use haptic_core::num::{Fixed, Scalar};
-use haptic_core::object::IntegratorName;
-use haptic_core::settings::Settings;
+use cohold_core::law::Packet;
+use cohold_core::law::wave::Decode;
+use cohold_core::num::{Fixed, Scalar};
+use cohold_core::object::IntegratorName;
+use cohold_core::settings::Settings;
 
 use super::Bench;
 

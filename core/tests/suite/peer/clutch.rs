@@ -1,11 +1,11 @@
 //! A device that comes free of the world and takes hold again: no jump, no energy, and the motors go off as ever.
 
-use haptic_core::device::{AXES, Reading};
-use haptic_core::names::{Decode, FixtureName};
-use haptic_core::num::Motion;
-use haptic_core::object::IntegratorName;
-use haptic_core::safety::{Command, Mode};
-use haptic_core::settings::Settings;
+use cohold_core::device::{AXES, Reading};
+use cohold_core::names::{Decode, FixtureName};
+use cohold_core::num::Motion;
+use cohold_core::object::IntegratorName;
+use cohold_core::safety::{Command, Mode};
+use cohold_core::settings::Settings;
 
 use super::Bench;
 

@@ -1,14 +1,14 @@
 //! What encoders show beside their counts, and where zero is: edges of both channels, the index, and an operator who says "here".
 
-use haptic_core::device::AXES;
-use haptic_core::device::Reading;
-use haptic_core::device::encoder::{Counts, INDEX_COUNTS, LONE_TICKS, Marks, Shown};
-use haptic_core::device::kinematics::KinematicsName;
-use haptic_core::device::velocity::VelocityName;
-use haptic_core::num::{Fixed, Motion, Scalar};
-use haptic_core::peer::Sensors;
-use haptic_core::safety::{Command, Fault, Mode};
-use haptic_core::settings::Settings;
+use cohold_core::device::AXES;
+use cohold_core::device::Reading;
+use cohold_core::device::encoder::{Counts, INDEX_COUNTS, LONE_TICKS, Marks, Shown};
+use cohold_core::device::kinematics::KinematicsName;
+use cohold_core::device::velocity::VelocityName;
+use cohold_core::num::{Fixed, Motion, Scalar};
+use cohold_core::peer::Sensors;
+use cohold_core::safety::{Command, Fault, Mode};
+use cohold_core::settings::Settings;
 
 use super::Bench;
 

@@ -1,11 +1,11 @@
 //! What the device may do to a hand: force and power over time, and how far it goes, against closed forms.
 
-use haptic_core::device::envelope::NEAR;
-use haptic_core::device::{AXES, Reading};
-use haptic_core::law::Packet;
-use haptic_core::num::{Fixed, Motion, Scalar};
-use haptic_core::safety::{Command, Fault, Mode};
-use haptic_core::settings::Settings;
+use cohold_core::device::envelope::NEAR;
+use cohold_core::device::{AXES, Reading};
+use cohold_core::law::Packet;
+use cohold_core::num::{Fixed, Motion, Scalar};
+use cohold_core::safety::{Command, Fault, Mode};
+use cohold_core::settings::Settings;
 
 use super::Bench;
 

@@ -1,9 +1,9 @@
 //! Guides and walls at the object: where they hold it, and that no speed, stiffness or crossing makes energy.
 
-use haptic_core::names::{Decode, FixtureName};
-use haptic_core::num::Motion;
-use haptic_core::object::IntegratorName;
-use haptic_core::settings::Settings;
+use cohold_core::names::{Decode, FixtureName};
+use cohold_core::num::Motion;
+use cohold_core::object::IntegratorName;
+use cohold_core::settings::Settings;
 
 use super::Bench;
 
@@ -39,7 +39,7 @@ fn a_pushed_object_rests_where_springs_balance() {
                 continue;
             }
             let mut bench = Bench::<f64>::at_rest(&settings, Motion::at(start));
-            bench.command(haptic_core::safety::Command::Arm);
+            bench.command(cohold_core::safety::Command::Arm);
             for tick in 0..8000 {
                 let share = f64::from(tick.min(4000)) / 4000.0;
                 bench.at(start + share * (device - start), 0.0);

@@ -1,14 +1,14 @@
 //! No force steps because a peer lets go: when it has been silent for too long, and when it is known to be gone.
 
-use haptic_core::device::Reading;
-use haptic_core::device::kinematics::{AnyKinematics, AnySpatial, Kinematics};
-use haptic_core::law::degradation::STEP_N;
-use haptic_core::law::{Law, LawInfo};
-use haptic_core::names::{Decode, FixtureName, IntegratorName};
-use haptic_core::num::Motion;
-use haptic_core::peer::{Peer, Sensors};
-use haptic_core::safety::{Command, Mode};
-use haptic_core::settings::{Settings, Value};
+use cohold_core::device::Reading;
+use cohold_core::device::kinematics::{AnyKinematics, AnySpatial, Kinematics};
+use cohold_core::law::degradation::STEP_N;
+use cohold_core::law::{Law, LawInfo};
+use cohold_core::names::{Decode, FixtureName, IntegratorName};
+use cohold_core::num::Motion;
+use cohold_core::peer::{Peer, Sensors};
+use cohold_core::safety::{Command, Mode};
+use cohold_core::settings::{Settings, Value};
 
 use crate::{AnyLaw, SCHEMA};
 

@@ -1,14 +1,14 @@
 //! What limits do is passive: whatever cuts the force of a contact, the hand's work is never less than what device and copy have of it.
 
-use haptic_core::contact::{RenderingName, Side};
-use haptic_core::device::{AXES, Reading};
-use haptic_core::law::AnyLaw;
-use haptic_core::names::{Decode, FixtureName};
-use haptic_core::num::Motion;
-use haptic_core::object::IntegratorName;
-use haptic_core::peer::{Peer, Sensors};
-use haptic_core::safety::{Command, Fault, Mode};
-use haptic_core::settings::Settings;
+use cohold_core::contact::{RenderingName, Side};
+use cohold_core::device::{AXES, Reading};
+use cohold_core::law::AnyLaw;
+use cohold_core::names::{Decode, FixtureName};
+use cohold_core::num::Motion;
+use cohold_core::object::IntegratorName;
+use cohold_core::peer::{Peer, Sensors};
+use cohold_core::safety::{Command, Fault, Mode};
+use cohold_core::settings::Settings;
 
 use crate::contact::setup::Random;
 

@@ -1,12 +1,12 @@
 //! The midpoint peer (THEORY §7), and backward Euler beside it: what a tick does to the energy of copy and springs, term by term, and
 //! what it refuses.
 
-use haptic_core::law::Packet;
-use haptic_core::law::wave::Decode;
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::object::IntegratorName;
-use haptic_core::peer::Observed;
-use haptic_core::settings::Settings;
+use cohold_core::law::Packet;
+use cohold_core::law::wave::Decode;
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::object::IntegratorName;
+use cohold_core::peer::Observed;
+use cohold_core::settings::Settings;
 
 use super::Bench;
 
@@ -145,7 +145,7 @@ fn a_constant_force_moves_a_copy_exactly() {
     }
     assert!((fallen::<f64>() - 1.0).abs() < 1e-12, "{}", fallen::<f64>());
     assert!((fallen::<f32>() - 1.0).abs() < 1e-5, "{}", fallen::<f32>());
-    assert!((fallen::<haptic_core::num::Fixed>() - 1.0).abs() < 1e-6, "{}", fallen::<haptic_core::num::Fixed>());
+    assert!((fallen::<cohold_core::num::Fixed>() - 1.0).abs() < 1e-6, "{}", fallen::<cohold_core::num::Fixed>());
 }
 
 #[test]

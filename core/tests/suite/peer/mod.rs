@@ -17,12 +17,12 @@ mod shared;
 mod silence;
 mod stage;
 
-use haptic_core::device::Reading;
-use haptic_core::law::AnyLaw;
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::peer::{Actuators, Peer, Sensors};
-use haptic_core::safety::Command;
-use haptic_core::settings::Settings;
+use cohold_core::device::Reading;
+use cohold_core::law::AnyLaw;
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::peer::{Actuators, Peer, Sensors};
+use cohold_core::safety::Command;
+use cohold_core::settings::Settings;
 
 /// A peer without device or network.
 struct Bench<S: Scalar> {

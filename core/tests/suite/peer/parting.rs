@@ -1,11 +1,11 @@
 //! A peer that parts lets go and begins again from no force, with whoever comes, counting from whatever they count.
 
-use haptic_core::law::Packet;
-use haptic_core::law::degradation::STEP_N;
-use haptic_core::law::wave::Decode;
-use haptic_core::num::Motion;
-use haptic_core::safety::{Fault, Mode};
-use haptic_core::settings::Settings;
+use cohold_core::law::Packet;
+use cohold_core::law::degradation::STEP_N;
+use cohold_core::law::wave::Decode;
+use cohold_core::num::Motion;
+use cohold_core::safety::{Fault, Mode};
+use cohold_core::settings::Settings;
 
 type Bench = super::Bench<f64>;
 

@@ -1,13 +1,13 @@
 //! Every fault turns the motors off in the tick that sees it, latches, and takes commands to leave.
 
-use haptic_core::device::encoder::Counts;
-use haptic_core::device::velocity::VelocityName;
-use haptic_core::device::{AXES, Reading};
-use haptic_core::law::Packet;
-use haptic_core::num::Motion;
-use haptic_core::peer::{Actuators, Sensors};
-use haptic_core::safety::{Command, Fault, Mode};
-use haptic_core::settings::{Choice, Settings};
+use cohold_core::device::encoder::Counts;
+use cohold_core::device::velocity::VelocityName;
+use cohold_core::device::{AXES, Reading};
+use cohold_core::law::Packet;
+use cohold_core::num::Motion;
+use cohold_core::peer::{Actuators, Sensors};
+use cohold_core::safety::{Command, Fault, Mode};
+use cohold_core::settings::{Choice, Settings};
 
 type Bench = super::Bench<f32>;
 

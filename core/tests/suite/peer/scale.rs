@@ -1,13 +1,13 @@
 //! A device that is smaller or larger than the world: what its hand feels, and that every limit stays the device's own.
 
-use haptic_core::device::encoder::Marks;
-use haptic_core::device::motor::Motor;
-use haptic_core::device::velocity::VelocityName;
-use haptic_core::device::{AXES, Counts, Reading, kinematics::KinematicsName};
-use haptic_core::num::Motion;
-use haptic_core::peer::{Actuators, Sensors};
-use haptic_core::safety::{Command, Fault, Mode};
-use haptic_core::settings::Settings;
+use cohold_core::device::encoder::Marks;
+use cohold_core::device::motor::Motor;
+use cohold_core::device::velocity::VelocityName;
+use cohold_core::device::{AXES, Counts, Reading, kinematics::KinematicsName};
+use cohold_core::num::Motion;
+use cohold_core::peer::{Actuators, Sensors};
+use cohold_core::safety::{Command, Fault, Mode};
+use cohold_core::settings::Settings;
 
 use super::Bench;
 

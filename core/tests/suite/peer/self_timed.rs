@@ -1,12 +1,12 @@
 //! The self-timed line (THEORY §8) between two peers over networks that lose, delay, repeat and reorder: what is sent is emitted,
 //! once; no energy is made; a silence stands still or carries on (§11); a peer that begins anew takes the other with it.
 
-use haptic_core::law::Packet;
-use haptic_core::law::wave::Decode;
-use haptic_core::num::{Fixed, Motion, Scalar};
-use haptic_core::object::IntegratorName;
-use haptic_core::safety::Mode;
-use haptic_core::settings::{Settings, Value};
+use cohold_core::law::Packet;
+use cohold_core::law::wave::Decode;
+use cohold_core::num::{Fixed, Motion, Scalar};
+use cohold_core::object::IntegratorName;
+use cohold_core::safety::Mode;
+use cohold_core::settings::{Settings, Value};
 
 use super::Bench;
 use crate::contact::setup::Random;

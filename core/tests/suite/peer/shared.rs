@@ -1,13 +1,13 @@
 //! Peers that share the object along two and three axes, against as many peers that share it along one.
 
-use haptic_core::device::kinematics::{AnyKinematics, AnySpatial, Kinematics};
-use haptic_core::device::{Counts, Reading};
-use haptic_core::law::{AnyLaw, Law, Packet};
-use haptic_core::names::{Decode, IntegratorName};
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::peer::{Peer, Sensors};
-use haptic_core::safety::{Command, Fault, Mode};
-use haptic_core::settings::{Settings, Value};
+use cohold_core::device::kinematics::{AnyKinematics, AnySpatial, Kinematics};
+use cohold_core::device::{Counts, Reading};
+use cohold_core::law::{AnyLaw, Law, Packet};
+use cohold_core::names::{Decode, IntegratorName};
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::peer::{Peer, Sensors};
+use cohold_core::safety::{Command, Fault, Mode};
+use cohold_core::settings::{Settings, Value};
 
 type Plane<S> = Peer<S, AnyLaw<S>, 2>;
 type Space<S> = Peer<S, AnyLaw<S>, 3, 3, AnySpatial<S>>;
@@ -70,7 +70,7 @@ fn together<S: Scalar, const SHARED: usize, K: Kinematics<S, SHARED>>(settings: 
 /// The same of one axis alone.
 fn alone<S: Scalar>(settings: &Settings, axis: usize) -> Vec<[u64; 5]> {
     let settings =
-        { Settings { axis: haptic_core::settings::Axis { count: 1, shared: 1, ..settings.axis }, ..*settings } };
+        { Settings { axis: cohold_core::settings::Axis { count: 1, shared: 1, ..settings.axis }, ..*settings } };
     let mut peers = [0; 2].map(|_| Peer::<S, AnyLaw<S>>::new(&settings, [Motion::REST; 2]).expect("a good scene"));
     peers.iter_mut().for_each(|peer| peer.command(Command::Arm));
     let (mut record, mut exchanges) = (Vec::new(), 0);
@@ -142,7 +142,7 @@ fn a_five_bar_renders_the_contact_along_both_axes_through_its_encoders() {
     let mut peer = Plane::<f64>::build(&settings, [Motion::REST; 2]).expect("a good scene");
     peer.command(Command::Arm);
     let counts_per_rad = settings.encoder.counts_per_rev / core::f64::consts::TAU;
-    let motor = haptic_core::device::motor::Motor::<f64>::build(&settings);
+    let motor = cohold_core::device::motor::Motor::<f64>::build(&settings);
     let mut felt = [0.0_f64; 2];
     for tick in 0..400_i16 {
         let counts = [tick / 4, -(tick / 6)];
@@ -159,7 +159,7 @@ fn a_five_bar_renders_the_contact_along_both_axes_through_its_encoders() {
         for joint in 0..2 {
             let torque = pose.jacobian[0][joint] * actuators.forces[0] + pose.jacobian[1][joint] * actuators.forces[1];
             let given = motor.joint_force(actuators.duties[joint]);
-            assert!((given - torque).abs() <= 0.51 * motor.joint_force(haptic_core::device::motor::Duty(1)), "{tick}");
+            assert!((given - torque).abs() <= 0.51 * motor.joint_force(cohold_core::device::motor::Duty(1)), "{tick}");
         }
     }
     assert!(felt.iter().all(|most| *most > 1.0), "{felt:?}");
@@ -232,7 +232,7 @@ fn what_is_along_one_axis_is_refused_along_several() {
         "contact.one_sided = true is not allowed: it must be false where axis.shared is more than 1: a side belongs to one axis"
     );
     assert_eq!(
-        refused(&|settings| settings.contact.rendering = haptic_core::names::RenderingName::Impulsive),
+        refused(&|settings| settings.contact.rendering = cohold_core::names::RenderingName::Impulsive),
         "contact.rendering = \"impulsive\" is not allowed: it must be \"continuous\" where axis.shared is more than 1: impacts \
          are along one axis"
     );
@@ -245,7 +245,7 @@ fn what_is_along_one_axis_is_refused_along_several() {
 fn beside_a_wall(axes: u32) -> Settings {
     let mut settings = scene("none", axes);
     settings.object.integrator = IntegratorName::Midpoint;
-    settings.fixture.kind = haptic_core::names::FixtureName::ForbiddenAbove;
+    settings.fixture.kind = cohold_core::names::FixtureName::ForbiddenAbove;
     settings.fixture.position_m = 0.002;
     settings.fixture.stiffness_n_per_m = 3000.0;
     settings
@@ -283,9 +283,9 @@ fn a_wall_along_an_axis_is_that_of_one_axis_and_leaves_the_others_alone() {
     let all = ride::<3, AnySpatial<f64>>(&settings, 3000, strokes);
     for axis in 0..3 {
         let mut one =
-            Settings { axis: haptic_core::settings::Axis { count: 1, shared: 1, ..settings.axis }, ..settings };
+            Settings { axis: cohold_core::settings::Axis { count: 1, shared: 1, ..settings.axis }, ..settings };
         if axis > 0 {
-            one.fixture.kind = haptic_core::names::FixtureName::None;
+            one.fixture.kind = cohold_core::names::FixtureName::None;
         }
         let mut peer = Peer::<f64, AnyLaw<f64>>::new(&one, [Motion::REST; 2]).expect("a good scene");
         peer.command(Command::Arm);
@@ -365,7 +365,7 @@ fn a_fixture_askew_is_refused_where_it_has_no_sense() {
     assert!(refused(2, &|settings| settings.fixture.elevation_rad = 0.1).contains("0 where axis.shared is 1 or 2"));
     assert!(refused(2, &|settings| settings.contact.gap_m = 0.001).contains("0 beside a fixture"));
     let guide = |settings: &mut Settings| {
-        settings.fixture.kind = haptic_core::names::FixtureName::Guide;
+        settings.fixture.kind = cohold_core::names::FixtureName::Guide;
         settings.fixture.friction = 0.1;
     };
     assert!(refused(2, &guide).contains("0 of a guide"));

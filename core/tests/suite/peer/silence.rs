@@ -1,14 +1,14 @@
 //! Silence on purpose, with a law that speaks on command: how long it lasts, who does not notice, and who does.
 
-use haptic_core::device::{AXES, Reading};
-use haptic_core::law::power::Power;
-use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, event};
-use haptic_core::num::{Configured, Motion};
-use haptic_core::object::Solve;
-use haptic_core::peer::{Peer, Sensors};
-use haptic_core::safety::{Command, Fault, Mode};
-use haptic_core::schema::Schema;
-use haptic_core::settings::{Refused, SetError, Settings, Value};
+use cohold_core::device::{AXES, Reading};
+use cohold_core::law::power::Power;
+use cohold_core::law::{Coupled, Law, LawInfo, Observation, Packet, event};
+use cohold_core::num::{Configured, Motion};
+use cohold_core::object::Solve;
+use cohold_core::peer::{Peer, Sensors};
+use cohold_core::safety::{Command, Fault, Mode};
+use cohold_core::schema::Schema;
+use cohold_core::settings::{Refused, SetError, Settings, Value};
 
 /// Power-domain; worth a packet is a copy beyond the origin.
 #[derive(Clone, Copy, Debug)]

@@ -1,16 +1,16 @@
 //! What a power stage tells: every fault that comes of it, and when, against closed forms.
 
-use haptic_core::device::encoder::Counts;
-use haptic_core::device::motor::Duty;
-use haptic_core::device::probe::{Probe, Request, Shape};
-use haptic_core::device::stage::{Flow, Measured};
-use haptic_core::device::thermal;
-use haptic_core::device::velocity::VelocityName;
-use haptic_core::device::{AXES, Reading};
-use haptic_core::num::{Fixed, Motion, Scalar};
-use haptic_core::peer::{Peer, Sensors};
-use haptic_core::safety::{Command, Fault, Mode};
-use haptic_core::settings::Settings;
+use cohold_core::device::encoder::Counts;
+use cohold_core::device::motor::Duty;
+use cohold_core::device::probe::{Probe, Request, Shape};
+use cohold_core::device::stage::{Flow, Measured};
+use cohold_core::device::thermal;
+use cohold_core::device::velocity::VelocityName;
+use cohold_core::device::{AXES, Reading};
+use cohold_core::num::{Fixed, Motion, Scalar};
+use cohold_core::peer::{Peer, Sensors};
+use cohold_core::safety::{Command, Fault, Mode};
+use cohold_core::settings::Settings;
 
 use super::Bench;
 

@@ -18,13 +18,13 @@ mod pwm;
 
 use core::fmt::Debug;
 
+use cohold_core::device::encoder::{Counts, Marks};
+use cohold_core::device::stage::Measured;
+use cohold_core::safety::Fault;
+use cohold_core::settings::{Refused, Settings};
 use firmware_parts::image::{Actuators, JOINTS};
 use firmware_parts::rate::Rate;
 use firmware_parts::signals::Signals;
-use haptic_core::device::encoder::{Counts, Marks};
-use haptic_core::device::stage::Measured;
-use haptic_core::safety::Fault;
-use haptic_core::settings::{Refused, Settings};
 
 /// The drive of this image.
 #[cfg(not(feature = "moteus"))]

@@ -7,14 +7,14 @@
 //! lets go by its own watchdog ([`firmware_parts::moteus::WATCHDOG_MS`]). The emergency stop's first contact breaks the timer as it does with
 //! bridges, which nothing hangs at here: the next tick sees it and stops the motor; its second contact cuts the controller's supply.
 
+use cohold_core::device::encoder::{Counts, Marks};
+use cohold_core::device::stage::Measured;
+use cohold_core::safety::Fault;
+use cohold_core::settings::{Refused, Settings};
 use firmware_parts::image::{Actuators, JOINTS};
 use firmware_parts::moteus::{Design, Motor, Told, Trouble};
 use firmware_parts::rate::Rate;
 use firmware_parts::signals::Signals;
-use haptic_core::device::encoder::{Counts, Marks};
-use haptic_core::device::stage::Measured;
-use haptic_core::safety::Fault;
-use haptic_core::settings::{Refused, Settings};
 
 use super::{Cut, Drive, Sensed, fdcan};
 use crate::board::bridges;

@@ -1,15 +1,15 @@
 //! Bridges or amplifiers behind the PWM, with the board's own encoders: [`bridges`], [`encoders`], the loop in [`current`], the order in [`gate`].
 
+use cohold_core::device::encoder::{Counts, Marks};
+use cohold_core::device::motor::Duty;
+use cohold_core::device::stage::Measured;
+use cohold_core::names::MotorDrive;
+use cohold_core::safety::Fault;
+use cohold_core::settings::{Refused, Settings};
 use firmware_parts::exchange::Latest;
 use firmware_parts::image::{Actuators, JOINTS};
 use firmware_parts::rate::Rate;
 use firmware_parts::signals::Signals;
-use haptic_core::device::encoder::{Counts, Marks};
-use haptic_core::device::motor::Duty;
-use haptic_core::device::stage::Measured;
-use haptic_core::names::MotorDrive;
-use haptic_core::safety::Fault;
-use haptic_core::settings::{Refused, Settings};
 use static_cell::StaticCell;
 
 use super::{Cut, Drive, Sensed};

@@ -65,7 +65,7 @@ fn filled(template: &str) -> String {
     made
 }
 
-/// `HAPTIC_BLESS=1 cargo test -p haptic-wiring --test suite paddle` writes them.
+/// `COHOLD_BLESS=1 cargo test -p cohold-wiring --test suite paddle` writes them.
 #[test]
 fn the_paddle_is_what_its_numbers_say() {
     let mut page = text("../../docs/paddle.md");
@@ -79,10 +79,10 @@ fn the_paddle_is_what_its_numbers_say() {
     let [drawing, settings] = ["drawing.svg", "settings.toml"].map(|file| filled(&text(&format!("paddle/{file}"))));
     let files = ["paddle.md", "assembly-paddle.svg", "paddle/settings.toml", "paddle/numbers.scad"];
     for (file, now) in files.map(|file| format!("../../docs/{file}")).into_iter().zip([page, drawing, settings, scad]) {
-        if std::env::var_os("HAPTIC_BLESS").is_some() {
+        if std::env::var_os("COHOLD_BLESS").is_some() {
             std::fs::write(place(&file), &now).unwrap();
         }
-        assert!(text(&file) == now, "{file} is another; HAPTIC_BLESS=1 writes it");
+        assert!(text(&file) == now, "{file} is another; COHOLD_BLESS=1 writes it");
     }
 }
 

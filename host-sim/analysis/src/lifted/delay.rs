@@ -1,6 +1,6 @@
 //! How long packets are on their way, in control periods.
 
-use haptic_sim::scene::{Network, Scene};
+use cohold_sim::scene::{Network, Scene};
 
 /// Control periods that a packet is on its way to peer 1 and to peer 2, from the exchange that sends it to the tick that hears it.
 pub fn delays_ticks(linear: &Scene) -> [usize; 2] {
@@ -22,6 +22,6 @@ pub(crate) fn at_delays(linear: &Scene, [to_first, to_second]: [usize; 2]) -> Sc
 /// Control periods that time on top of whole ones counts as: peers look once a tick, so that a fraction is one more. None
 /// where it is negative: no packet comes before the constant delay is over.
 pub(crate) fn whole_ticks(added_s: f64, period_s: f64) -> usize {
-    // A boundary reached to within rounding is reached, as in `haptic_sim::network`.
+    // A boundary reached to within rounding is reached, as in `cohold_sim::network`.
     (added_s / period_s - 1e-6).ceil().max(0.0) as usize
 }

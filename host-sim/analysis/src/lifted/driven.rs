@@ -19,17 +19,17 @@
 use std::array::from_fn;
 use std::collections::VecDeque;
 
-use haptic_core::law::Packet;
-use haptic_core::law::event::LONGEST;
-use haptic_core::names::FixtureName;
-use haptic_core::num::{Motion, StateVector as _};
-use haptic_core::peer::Sensors;
-use haptic_core::safety::{Command, Mode};
-use haptic_core::settings::Refused;
-use haptic_sim::of_axes;
-use haptic_sim::peers::{Builds, DynPeer};
-use haptic_sim::plant::Plant;
-use haptic_sim::scene::Scene;
+use cohold_core::law::Packet;
+use cohold_core::law::event::LONGEST;
+use cohold_core::names::FixtureName;
+use cohold_core::num::{Motion, StateVector as _};
+use cohold_core::peer::Sensors;
+use cohold_core::safety::{Command, Mode};
+use cohold_core::settings::Refused;
+use cohold_sim::of_axes;
+use cohold_sim::peers::{Builds, DynPeer};
+use cohold_sim::plant::Plant;
+use cohold_sim::scene::Scene;
 
 use super::delay::delays_ticks;
 use crate::matrix::{Matrix, column_mut, reset};

@@ -15,13 +15,13 @@
 //! **Exact to** 2 % of the slope (`tests/suite/reached.rs`). A slope below [`SLOW_PER_S`] is none: a pair that glides on has it, and a line that
 //! is made longer or shorter by a tick now and then has a swing that wanders by a factor of four.
 
-use haptic_core::settings::{PLENTY_J, Refused};
-use haptic_sim::of_axes;
-use haptic_sim::pair::Pair;
-use haptic_sim::peers::Builds;
-use haptic_sim::plant::Plant;
-use haptic_sim::scene::Scene;
-use haptic_sim::user::User;
+use cohold_core::settings::{PLENTY_J, Refused};
+use cohold_sim::of_axes;
+use cohold_sim::pair::Pair;
+use cohold_sim::peers::Builds;
+use cohold_sim::plant::Plant;
+use cohold_sim::scene::Scene;
+use cohold_sim::user::User;
 
 use super::delay::delays_ticks;
 use super::driven::{UNIT, counts, keeps_silent};

@@ -5,7 +5,7 @@
 //!
 //! | module | builds it by |
 //! |---|---|
-//! | [`driven`] | running `haptic_core::peer::{exchange, tick}`, the code that flies, on unit states |
+//! | [`driven`] | running `cohold_core::peer::{exchange, tick}`, the code that flies, on unit states |
 //! | [`closing`] | joining what peers answer through the network's queues, for the former |
 //! | [`delay`] | counting the packets on their way |
 //! | [`prune`] | leaving out states that nothing depends on, or that are always zero |

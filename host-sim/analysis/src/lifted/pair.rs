@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use haptic_sim::scene::Scene;
+use cohold_sim::scene::Scene;
 
 use super::Lifted;
 use super::closing::{End, close};

@@ -8,8 +8,8 @@
 //! While a delay is swept the sampling period is either given or, to show the delay alone, a fortieth of the delay: what
 //! sampling adds is then 2.5 %, on every point alike.
 
-use haptic_core::names::Choice;
-use haptic_report::Columns;
+use cohold_core::names::Choice;
+use cohold_report::Columns;
 use rayon::prelude::*;
 use serde::Serialize;
 

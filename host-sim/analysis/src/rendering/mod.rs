@@ -31,8 +31,8 @@ pub mod picture;
 #[path = "../../tests/inside/rendering.rs"]
 mod tests;
 
-use haptic_core::names::Choice;
-use haptic_sim::plant::Linear;
+use cohold_core::names::Choice;
+use cohold_sim::plant::Linear;
 use serde::Serialize;
 
 use super::lifted::{Lifted, rest};
@@ -40,7 +40,7 @@ use super::matrix::reset;
 use super::spectrum::{Polar, Spectrum, radius};
 use crate::error::Error;
 
-haptic_sim::choices! {
+cohold_sim::choices! {
     /// Where a delay can sit, in the order of the paper's delay1 … delay4: between the device, the collision detection engine (CDE) and
     /// the dynamics engine (DE).
     #[derive(Serialize)]

@@ -1,7 +1,7 @@
 //! Both maps on the axes of the architectures paper's Fig. 4: stiffness to the right, delay or sampling period upwards.
 
-use haptic_core::names::Choice;
-use haptic_plot::{Dash, Figure, Panel, Series};
+use cohold_core::names::Choice;
+use cohold_plot::{Dash, Figure, Panel, Series};
 
 use super::closed::longest_object_delay_s;
 use super::maps::{Curve, Sweep};

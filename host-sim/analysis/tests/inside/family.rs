@@ -1,7 +1,7 @@
 //! Tests of `src/family.rs` from inside: beside peers driven at every value.
 
-use haptic_core::law::wave::Decode;
-use haptic_core::names::Choice;
+use cohold_core::law::wave::Decode;
+use cohold_core::names::Choice;
 
 use super::*;
 use crate::figure4;

@@ -1,6 +1,6 @@
 //! The sampled map against a simulation that puts every delay where it is, against closed forms, against the paper.
 
-use haptic_core::names::Choice;
+use cohold_core::names::Choice;
 
 use super::closed::{largest_stiffness, longest_object_delay_s};
 use super::identify::{self, DELAY_S, PERIOD_S, identify, needs, wall};

@@ -1,7 +1,7 @@
 //! What is proposed is stable with its margin everywhere below it, and nothing stiffer would be.
 
-use haptic_core::law::wave::Decode;
-use haptic_core::object::IntegratorName;
+use cohold_core::law::wave::Decode;
+use cohold_core::object::IntegratorName;
 
 use super::*;
 
@@ -57,7 +57,7 @@ fn proposals_hold_what_they_promise() {
 /// Encoders, friction, motor steps and a gap do not undo it.
 #[test]
 fn a_proposal_for_a_real_device_runs() {
-    let scene = haptic_sim::scenes::load(haptic_sim::Laws::built_in(), "real-device").unwrap();
+    let scene = cohold_sim::scenes::load(cohold_sim::Laws::built_in(), "real-device").unwrap();
     let proposal = tune(&scene, 0.2, || {}).unwrap().unwrap();
     let outcome = try_out::<f32>(&scene, &proposal, 10.0).unwrap();
     assert!(outcome.bounded, "{proposal:?}: {:?}", outcome.fault);
@@ -89,7 +89,7 @@ fn stiffness_is_traded_for_margin_and_latency() {
 #[test]
 fn a_taut_line_gets_a_tautness_that_holds() {
     for (delay, contact, coordination) in [(1, 5000.0, 1000.0), (8, 14_300.0, 3200.0), (40, 2000.0, 500.0)] {
-        let mut scene = haptic_sim::scenes::load(haptic_sim::Laws::built_in(), "any-network").unwrap();
+        let mut scene = cohold_sim::scenes::load(cohold_sim::Laws::built_in(), "any-network").unwrap();
         scene.world.network.one_way_delay_packets = delay;
         let taut = with(&scene, 1.2 * contact, 1.2 * coordination).unwrap();
         let share = tauten(&mut taut.clone(), 1.2).unwrap().unwrap();
@@ -111,7 +111,7 @@ fn a_taut_line_gets_a_tautness_that_holds() {
         assert_eq!(tauten(&mut scene, 1.2).unwrap(), None);
     }
     // No scene has more than 1.5 of it, and nothing beyond is promised.
-    let scene = haptic_sim::scenes::load(haptic_sim::Laws::built_in(), "any-network").unwrap();
+    let scene = cohold_sim::scenes::load(cohold_sim::Laws::built_in(), "any-network").unwrap();
     let mut soft = with(&scene, 500.0, 100.0).unwrap();
     assert_eq!(tauten(&mut soft, 2.0).unwrap(), Some(0.75));
     // Gains that are unstable leave no tautness either.

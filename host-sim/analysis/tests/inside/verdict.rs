@@ -1,9 +1,9 @@
 //! Objects shared along several axes: the spectrum of all axes at once against that of each alone, where it is known what they fall apart into.
 
-use haptic_core::device::kinematics::{AnyKinematics, AnySpatial};
-use haptic_core::num::Motion;
-use haptic_sim::Laws;
-use haptic_sim::scene::Scene;
+use cohold_core::device::kinematics::{AnyKinematics, AnySpatial};
+use cohold_core::num::Motion;
+use cohold_sim::Laws;
+use cohold_sim::scene::Scene;
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::{Analyser, Direction, Polar};

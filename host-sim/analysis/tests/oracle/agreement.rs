@@ -4,9 +4,9 @@
 //! powers of two that balance the constructed matrix ([`balance`]). The difference is the largest
 //! |entry of one − entry of the other| in these units over the largest |entry|, or over 1 where all are smaller.
 
-use haptic_core::law::Packet;
-use haptic_core::num::StateVector;
-use haptic_sim::scene::Scene;
+use cohold_core::law::Packet;
+use cohold_core::num::StateVector;
+use cohold_sim::scene::Scene;
 
 use super::law::{TAUTNESS, number};
 use super::{Constructed, Place, State, construct};

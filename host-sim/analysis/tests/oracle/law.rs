@@ -2,9 +2,9 @@
 //!
 //! Equations: THEORY §2, §7; cooperation paper (1), (2), (4)–(7), (13), (14).
 
-use haptic_core::law::wave::Decode;
-use haptic_core::settings::Value;
-use haptic_sim::scene::Scene;
+use cohold_core::law::wave::Decode;
+use cohold_core::settings::Value;
+use cohold_sim::scene::Scene;
 
 use super::peer::Input::{Coordination, Decoded, Emitted, Wave};
 use super::peer::State::{

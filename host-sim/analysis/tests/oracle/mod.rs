@@ -1,4 +1,4 @@
-//! The lifted matrix built as the cooperation paper builds it (§4), from the equations and from nothing of `haptic_core`.
+//! The lifted matrix built as the cooperation paper builds it (§4), from the equations and from nothing of `cohold_core`.
 //!
 //! | step | paper | here |
 //! |---|---|---|
@@ -19,7 +19,7 @@ mod network;
 mod peer;
 mod tests;
 
-use haptic_sim::scene::Scene;
+use cohold_sim::scene::Scene;
 
 use crate::lifted::delay::delays_ticks;
 use crate::matrix::Matrix;

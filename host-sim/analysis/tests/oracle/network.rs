@@ -4,7 +4,7 @@
 //! ago, kept in a shift register. Order of the joint state: peer 1, peer 2, packets on their way to peer 1, to peer 2,
 //! youngest first.
 
-use haptic_sim::scene::Scene;
+use cohold_sim::scene::Scene;
 
 use super::lift::Period;
 use super::peer::{ConstructedPeer, State};

@@ -5,10 +5,10 @@
 //! period brought, held for M ticks. G is the algebraic part: inputs of a tick that need each other, which is how the
 //! implicit decode and the midpoint rule's one solve are written here (core solves them by hand). Equations: THEORY §2, §7.
 
-use haptic_core::device::velocity::VelocityName;
-use haptic_core::names::FixtureName;
-use haptic_core::object::IntegratorName;
-use haptic_sim::scene::Scene;
+use cohold_core::device::velocity::VelocityName;
+use cohold_core::names::FixtureName;
+use cohold_core::object::IntegratorName;
+use cohold_sim::scene::Scene;
 
 use super::hold::Held;
 use super::law::{TAUTNESS, number};

@@ -7,12 +7,12 @@ mod random;
 
 use std::collections::BTreeSet;
 
-use haptic_core::names::Choice;
+use cohold_core::names::Choice;
 use rayon::prelude::*;
 
 use super::agreement::{Agreement, agreement};
 use crate::{Hands, is_symmetric, judge};
-use haptic_sim::scene::Scene;
+use cohold_sim::scene::Scene;
 use kinds::{backward_euler, midpoint, self_timed};
 use random::Random;
 

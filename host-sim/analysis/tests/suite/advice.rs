@@ -1,9 +1,9 @@
 //! Advice names one gain, and following it mends the scene with the margin that is promised.
 
-use haptic_analysis::verdict;
-use haptic_analysis::{MARGIN, advice, change};
-use haptic_core::object::IntegratorName;
-use haptic_sim::scene::Scene;
+use cohold_analysis::verdict;
+use cohold_analysis::{MARGIN, advice, change};
+use cohold_core::object::IntegratorName;
+use cohold_sim::scene::Scene;
 use rayon::prelude::*;
 
 use super::random;

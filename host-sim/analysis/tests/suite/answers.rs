@@ -2,15 +2,15 @@
 
 use std::f64::consts::TAU;
 
-use haptic_analysis::answers;
-use haptic_sim::measure::impedance::{Answer, Complex, RemoteEnd, SPEED_M_PER_S, answer};
-use haptic_sim::scene::Scene;
-use haptic_sim::scenes;
+use cohold_analysis::answers;
+use cohold_sim::measure::impedance::{Answer, Complex, RemoteEnd, SPEED_M_PER_S, answer};
+use cohold_sim::scene::Scene;
+use cohold_sim::scenes;
 
 fn scene(packets: u32) -> Scene {
     let keys = ["network.jitter=none", "network.loss=0", &format!("network.one_way_delay_packets={packets}")];
     let keys = keys.map(str::to_owned);
-    scenes::find(haptic_guest_laws::laws(), Some("leader-follower".as_ref()), &keys).unwrap()
+    scenes::find(cohold_guest_laws::laws(), Some("leader-follower".as_ref()), &keys).unwrap()
 }
 
 fn one(packets: u32, near: usize, far: RemoteEnd, frequency_hz: f64) -> Answer {

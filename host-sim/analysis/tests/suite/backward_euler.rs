@@ -1,7 +1,7 @@
 //! Backward Euler: scenes that are let go of, and the verdict beside runs at the limit of contact.
 
-use haptic_analysis::{Effort, Range, limit};
-use haptic_sim::run::{Options, run};
+use cohold_analysis::{Effort, Range, limit};
+use cohold_sim::run::{Options, run};
 
 use crate::kinds::backward_euler;
 use crate::midpoint::{drawn, released};

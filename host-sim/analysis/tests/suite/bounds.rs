@@ -11,10 +11,10 @@
 //! * **M = 1 without a filter**: nothing damps the fastest oscillation that K_T and the copy can make, and the object is
 //!   integrated explicitly: an upper bound where K_T·T_c²/m_O is a few tenths.
 
-use haptic_analysis::{Effort, Limit, Range, figure4, limit, verdict};
-use haptic_core::law::wave::Decode;
-use haptic_core::object::IntegratorName;
-use haptic_sim::scene::Scene;
+use cohold_analysis::{Effort, Limit, Range, figure4, limit, verdict};
+use cohold_core::law::wave::Decode;
+use cohold_core::object::IntegratorName;
+use cohold_sim::scene::Scene;
 use rayon::prelude::*;
 
 fn scene(law: &'static str, integrator: IntegratorName, delay: u32, device_delay: f64, contact: f64) -> Scene {

@@ -5,9 +5,9 @@
 //! Over a short delay and with several ticks per packet there is no limit, or only a pocket, and kicked runs say the same. A line that holds still
 //! once in each round trip may have a limit that is several times its neighbours' (M = 8 at 17 and 29 ms), or none: runs decay at all stiffnesses up to it.
 
-use haptic_analysis::{Hands, judge};
-use haptic_sim::scene::Scene;
-use haptic_sim::scenes;
+use cohold_analysis::{Hands, judge};
+use cohold_sim::scene::Scene;
+use cohold_sim::scenes;
 use rayon::prelude::*;
 
 use crate::reached::decay;
@@ -34,7 +34,7 @@ fn scene(ticks: u32, ms: u32, stiffness: f64) -> Scene {
         format!("network.extra_delay_s={}", f64::from(ms) / 1e3),
         format!("contact.stiffness_n_per_m={stiffness}"),
     ];
-    scenes::find(haptic_guest_laws::laws(), Some(std::path::Path::new("any-network")), &keys).expect("a scene")
+    scenes::find(cohold_guest_laws::laws(), Some(std::path::Path::new("any-network")), &keys).expect("a scene")
 }
 
 /// The first contact stiffness that is not stable with both hands on or one, N/m. Where the analyser has none, a kicked run dies away at each of the scan.

@@ -1,8 +1,8 @@
 //! The lifted matrix driven from core: of all kinds of random scenes, linear, and without bounds.
 
-use haptic_analysis::{Response, apply, is_symmetric, pair_matrix, verdict};
-use haptic_core::device::velocity::VelocityName;
-use haptic_sim::scene::Scene;
+use cohold_analysis::{Response, apply, is_symmetric, pair_matrix, verdict};
+use cohold_core::device::velocity::VelocityName;
+use cohold_sim::scene::Scene;
 use rayon::prelude::*;
 
 use super::random;

@@ -2,16 +2,16 @@
 
 use std::path::Path;
 
-use haptic_analysis::{Question, change, find, is_linear, judge, measured};
-use haptic_sim::scene::Scene;
-use haptic_sim::scenes;
+use cohold_analysis::{Question, change, find, is_linear, judge, measured};
+use cohold_sim::scene::Scene;
+use cohold_sim::scenes;
 
 /// What a live peer asks.
 const QUESTION: Question = Question { hand: None, most_packets: 40 };
 
 fn scene(name: &str, overrides: &[&str]) -> Scene {
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
-    scenes::find(haptic_guest_laws::laws(), Some(Path::new(name)), &overrides).expect("a scene")
+    scenes::find(cohold_guest_laws::laws(), Some(Path::new(name)), &overrides).expect("a scene")
 }
 
 /// This scene on a network whose packets take so many ticks there and back, whichever.
@@ -99,9 +99,9 @@ fn what_is_not_judged_says_why() {
     let of_law = |name: &str| {
         let waves = ["coordination.ledger=false", "coordination.drift_correction=false"].map(str::to_owned);
         let overrides = [&waves[..], &[format!("coordination.comm={name}")]].concat();
-        scenes::find(haptic_guest_laws::laws(), Some(Path::new("hub")), &overrides).map_err(|why| why.to_string())
+        scenes::find(cohold_guest_laws::laws(), Some(Path::new("hub")), &overrides).map_err(|why| why.to_string())
     };
-    let laws = haptic_guest_laws::laws().all();
+    let laws = cohold_guest_laws::laws().all();
     let scenes: Vec<Scene> = laws.iter().filter_map(|law| of_law(law.name).ok()).collect();
     let refused: Vec<_> = laws.iter().filter_map(|law| of_law(law.name).err()).collect();
     assert!(scenes.len() > laws.len() / 2, "{refused:#?}");

@@ -1,7 +1,7 @@
 //! Devices that hold a force back for whole ticks, as one behind a bus or a network does: the stiffest contact of the recommended scene.
 
-use haptic_analysis::{Effort, Range, limit};
-use haptic_sim::scenes;
+use cohold_analysis::{Effort, Range, limit};
+use cohold_sim::scenes;
 
 use super::winding;
 
@@ -13,7 +13,7 @@ fn the_limit_of_a_contact_falls_with_the_delay_as_runs_say() {
         // What limits take of a contact is passive, and would settle.
         let keys = ["safety.max_force_n=200", "safety.max_slew_n_per_s=1000000"].map(str::to_owned);
         let mut scene =
-            scenes::find(haptic_guest_laws::laws(), Some(std::path::Path::new("any-network")), &keys).expect("a scene");
+            scenes::find(cohold_guest_laws::laws(), Some(std::path::Path::new("any-network")), &keys).expect("a scene");
         scene.set_number("device.force_delay_ticks", delay).expect("it is allowed");
         let range = Range { key: "contact.stiffness_n_per_m".to_owned(), from: 10.0, to: 9000.0 };
         let found = limit(&scene, range, Effort { steps: 100, ..Effort::default() }).expect("a good scene");

@@ -1,8 +1,8 @@
 //! Scenes of a kind, which several tests ask about; those with an integrator are Figure 4's.
 
-use haptic_core::law::wave::Decode;
-use haptic_core::object::IntegratorName;
-use haptic_sim::scene::Scene;
+use cohold_core::law::wave::Decode;
+use cohold_core::object::IntegratorName;
+use cohold_sim::scene::Scene;
 
 use crate::figure4;
 

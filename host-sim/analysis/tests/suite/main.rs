@@ -24,4 +24,4 @@ mod theory;
 mod verdicts;
 mod winding;
 
-use haptic_analysis::figure4;
+use cohold_analysis::figure4;

@@ -1,7 +1,7 @@
 //! The midpoint peer (THEORY §7): its limits of contact, and random scenes in contact and let go, none of which is unstable.
 
-use haptic_analysis::{Effort, Range, limit, verdict};
-use haptic_sim::scene::Scene;
+use cohold_analysis::{Effort, Range, limit, verdict};
+use cohold_sim::scene::Scene;
 
 use crate::kinds::midpoint;
 use crate::random::Random;

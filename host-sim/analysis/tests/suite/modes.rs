@@ -1,11 +1,11 @@
 //! Every mode of a scene: the released pairs of THEORY §7, what the network table can do to the delay, and the simulator.
 
-use haptic_analysis::{Analysis, Effort, Hands, Judgement, Mode, Range, judge, limit, verdict};
-use haptic_core::names::Choice;
-use haptic_core::num::StateVector;
-use haptic_sim::pair::Pair;
-use haptic_sim::scene::Scene;
-use haptic_sim::scenes;
+use cohold_analysis::{Analysis, Effort, Hands, Judgement, Mode, Range, judge, limit, verdict};
+use cohold_core::names::Choice;
+use cohold_core::num::StateVector;
+use cohold_sim::pair::Pair;
+use cohold_sim::scene::Scene;
+use cohold_sim::scenes;
 use rayon::prelude::*;
 
 use super::hard_cases::setup::scene;
@@ -52,7 +52,7 @@ fn the_papers_gains_are_unstable_released() {
 /// Why: as it was, with the papers' orders, its contact has 0.988, and hands off it runs away. With one solve a tick it does not.
 #[test]
 fn the_real_device_as_it_was_is_not_stable() {
-    let mut scene = scenes::load(haptic_guest_laws::laws(), "real-device").unwrap();
+    let mut scene = scenes::load(cohold_guest_laws::laws(), "real-device").unwrap();
     assert!(judge(&scene).unwrap().worst.stable);
     scene.apply_override("coordination.comm=passive-wave").unwrap();
     scene.apply_override("object.integrator=semi-implicit").unwrap();
@@ -268,7 +268,7 @@ fn gliding_is_a_rest_mode_and_slowing_down_is_not() {
 #[test]
 fn the_leader_and_the_follower_are_stable_in_every_mode() {
     for (name, modes) in [("leader-follower", 3), ("leader-follower-wall", 6)] {
-        let scene = scenes::find(haptic_guest_laws::laws(), Some(name.as_ref()), &[]).unwrap();
+        let scene = scenes::find(cohold_guest_laws::laws(), Some(name.as_ref()), &[]).unwrap();
         let judged = judge(&scene).unwrap();
         assert!(judged.worst.stable && judged.modes.len() == modes, "{name}: {judged:?}");
     }
@@ -282,7 +282,7 @@ fn what_is_said_of_a_scene_has_the_verdict_that_is_given_alone() {
     for (name, _) in scenes::known() {
         let networks = [None, Some("network.jitter=uniform"), Some("network.delay_step_s=0.01")];
         for network in networks.into_iter().take(if asked.contains(name) { 3 } else { 1 }) {
-            let mut scene = scenes::load(haptic_guest_laws::laws(), name).unwrap();
+            let mut scene = scenes::load(cohold_guest_laws::laws(), name).unwrap();
             for setting in network.into_iter().chain(network.map(|_| "network.jitter_s=0.004")) {
                 scene.apply_override(setting).unwrap();
             }

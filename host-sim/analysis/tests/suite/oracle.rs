@@ -1,7 +1,7 @@
 //! Every row of `tests/oracle/spectral.csv`: the spectral radius to 1e-8, the verdict, and that no row is skipped.
 
-use haptic_analysis::verdict;
-use haptic_sim::scene::Scene;
+use cohold_analysis::verdict;
+use cohold_sim::scene::Scene;
 
 #[test]
 fn every_row_of_the_oracle() {
@@ -18,7 +18,7 @@ fn every_row_of_the_oracle() {
             // The oracle's line stands.
             overrides.push("coordination.carry_damping_n_s_per_m=0".into());
         }
-        let ours = verdict(&Scene::load(haptic_guest_laws::laws(), None, &overrides).unwrap()).unwrap();
+        let ours = verdict(&Scene::load(cohold_guest_laws::laws(), None, &overrides).unwrap()).unwrap();
         let wanted: f64 = field("spectral_radius").parse().unwrap();
         assert!((ours.spectral_radius / wanted - 1.0).abs() < 1e-8, "row {rows}: {} {wanted}", ours.spectral_radius);
         assert_eq!(ours.stable.to_string(), field("stable"), "row {rows}");

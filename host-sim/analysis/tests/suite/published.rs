@@ -5,10 +5,10 @@
 //! period is M of them. What is compared are the traces of powers, tr(A^k) = Σλ^k: they know every eigenvalue with its multiplicity, rest modes included,
 //! and states that are written over before they are read count nothing.
 
-use haptic_analysis::{Matrix, pair_matrix};
-use haptic_core::law::wave::Decode;
-use haptic_core::object::IntegratorName;
-use haptic_sim::scene::Scene;
+use cohold_analysis::{Matrix, pair_matrix};
+use cohold_core::law::wave::Decode;
+use cohold_core::object::IntegratorName;
+use cohold_sim::scene::Scene;
 
 use crate::random::Random;
 
@@ -209,7 +209,7 @@ fn model_mediated(stiffness: f64, damping: f64) -> Paper {
 
 /// A random pair of equal peers moved by ports, and what is needed of it here.
 fn pair(random: &mut Random, law: &'static str, own: &[(&str, f64)]) -> (Scene, Body) {
-    let mut scene = Scene::new(haptic_guest_laws::laws());
+    let mut scene = Scene::new(cohold_guest_laws::laws());
     let peer = &mut scene.peer;
     peer.object.integrator = IntegratorName::Midpoint;
     peer.object.force_delay_ticks = 0.0;
@@ -306,7 +306,7 @@ fn model_mediated_is_the_paper_s_while_nothing_is_learned() {
     agree("model-mediated", |random| {
         let (stiffness, damping) = (random.spread(1.0, 1e4), random.spread(0.1, 20.0));
         let own = vec![
-            ("coordination.tank_j", haptic_core::settings::PLENTY_J),
+            ("coordination.tank_j", cohold_core::settings::PLENTY_J),
             ("model_mediated.correction_n_per_m", stiffness),
             ("model_mediated.correction_n_s_per_m", damping),
         ];

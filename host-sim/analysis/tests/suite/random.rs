@@ -1,11 +1,11 @@
 //! Random linear scenes, the same ones in every run.
 
-use haptic_core::device::velocity::VelocityName;
-use haptic_core::law::LawInfo;
-use haptic_core::law::wave::Decode;
-use haptic_core::names::Choice;
-use haptic_core::object::IntegratorName;
-use haptic_sim::scene::Scene;
+use cohold_core::device::velocity::VelocityName;
+use cohold_core::law::LawInfo;
+use cohold_core::law::wave::Decode;
+use cohold_core::names::Choice;
+use cohold_core::object::IntegratorName;
+use cohold_sim::scene::Scene;
 
 /// SplitMix64 (Steele, Lea & Flood 2014).
 pub(crate) struct Random(u64);
@@ -62,7 +62,7 @@ pub(crate) fn scene(seed: u64) -> Scene {
 /// [`scene`], of this law if one is named.
 pub(crate) fn of_law(seed: u64, law: Option<&'static str>) -> Scene {
     let mut random = Random::new(seed);
-    let mut scene = Scene::new(haptic_guest_laws::laws());
+    let mut scene = Scene::new(cohold_guest_laws::laws());
     let peer = &mut scene.peer;
     peer.timing.control_period_s = random.one(&[0.0005, 0.001, 0.001, 0.002]);
     peer.timing.ticks_per_packet = random.whole(1, 16);
@@ -76,7 +76,7 @@ pub(crate) fn of_law(seed: u64, law: Option<&'static str>) -> Scene {
     peer.object.integrator = random.one(IntegratorName::ALL);
     // The self-timed line has a suite of its own: its outstanding samples are no constant of the scene. One spring is not linear.
     let drawn = |law: &&LawInfo| !law.own_time && law.name != "fractal-impedance";
-    let kinds: Vec<_> = haptic_laws::LAWS.iter().filter(drawn).collect();
+    let kinds: Vec<_> = cohold_laws::LAWS.iter().filter(drawn).collect();
     let drawn = random.one(&kinds).name;
     peer.coordination.comm = law.unwrap_or(drawn);
     peer.coordination.decode = random.one(Decode::ALL);
@@ -84,7 +84,7 @@ pub(crate) fn of_law(seed: u64, law: Option<&'static str>) -> Scene {
     let damping = random.spread(0.1, 20.0);
     peer.coordination.damping_n_s_per_m = random.sometimes(damping);
     peer.coordination.wave_impedance_n_s_per_m = random.spread(1.0, 100.0);
-    if peer.check_with::<haptic_laws::EveryLaw<f64>>().is_err() {
+    if peer.check_with::<cohold_laws::EveryLaw<f64>>().is_err() {
         // A law that needs one solve.
         peer.object.integrator = IntegratorName::Midpoint;
     }

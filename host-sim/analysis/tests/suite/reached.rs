@@ -1,10 +1,10 @@
 //! A verdict is of a state that a line reaches (issue 51): each against a run of the simulator that is kicked and judged here.
 
-use haptic_analysis::{Effort, Hands, Judgement, Range, judge, limit};
-use haptic_sim::pair::Pair;
-use haptic_sim::peers::Builds;
-use haptic_sim::plant::Plant;
-use haptic_sim::{of_axes, scene::Scene, scenes};
+use cohold_analysis::{Effort, Hands, Judgement, Range, judge, limit};
+use cohold_sim::pair::Pair;
+use cohold_sim::peers::Builds;
+use cohold_sim::plant::Plant;
+use cohold_sim::{of_axes, scene::Scene, scenes};
 
 use crate::random::Random;
 use crate::verdicts::let_go;
@@ -14,7 +14,7 @@ const STIFFNESS: &str = "contact.stiffness_n_per_m";
 fn scene(name: &str, ticks: u32, delay: u32, keys: &[&str]) -> Scene {
     let own = [format!("timing.ticks_per_packet={ticks}"), format!("network.one_way_delay_packets={delay}")];
     let keys: Vec<String> = own.into_iter().chain(keys.iter().map(|key| (*key).to_owned())).collect();
-    scenes::find(haptic_guest_laws::laws(), Some(std::path::Path::new(name)), &keys).expect("a scene")
+    scenes::find(cohold_guest_laws::laws(), Some(std::path::Path::new(name)), &keys).expect("a scene")
 }
 
 /// By which factor the forces of a linear scene change in a packet period, at `least` seconds after its peers were armed or later: from the
@@ -153,7 +153,7 @@ fn a_radius_is_the_decay_of_a_kicked_run() {
             let own = [format!("coordination.tautness={tautness}"), format!("coordination.even_s={even}")];
             let keys = [&own[0], &own[1], "coordination.taut_s=0.05", &format!("{STIFFNESS}={stiffness}")];
             let mut scene = scene(name, ticks, delay, &keys);
-            let both = haptic_analysis::verdict(&scene).expect("a good scene");
+            let both = cohold_analysis::verdict(&scene).expect("a good scene");
             if let Some(ticks) = both.line_ticks {
                 scene.set_number("coordination.credit_ticks", ticks as f64).expect("it is allowed");
             }

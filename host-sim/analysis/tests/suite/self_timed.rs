@@ -1,13 +1,13 @@
 //! The self-timed line (THEORY §8) at constant delay: random scenes that are let go of, and what it needs.
 
-use haptic_analysis::judge;
+use cohold_analysis::judge;
 
 use crate::kinds::self_timed;
 use crate::midpoint::released;
 use crate::random::Random;
 
 /// Whatever is drawn, with a stated credit and with one that follows, light lines and heavy ones: nothing grows that nobody holds. Ten thousand of them:
-/// `SCENES=10000 cargo test --release -p haptic-analysis --test suite no_scene_that_is_let_go_of`.
+/// `SCENES=10000 cargo test --release -p cohold-analysis --test suite no_scene_that_is_let_go_of`.
 #[test]
 fn no_scene_that_is_let_go_of_is_unstable() {
     let scenes = std::env::var("SCENES").ok().and_then(|scenes| scenes.parse().ok()).unwrap_or(1000);

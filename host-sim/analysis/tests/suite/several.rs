@@ -1,12 +1,12 @@
 //! Objects shared along several axes, coupled by the device's mass or not: the verdict against long runs, and against one axis.
 
-use haptic_analysis::{Direction, Hands, judge};
-use haptic_sim::run::{Options, run};
-use haptic_sim::scene::Scene;
-use haptic_sim::scenes;
+use cohold_analysis::{Direction, Hands, judge};
+use cohold_sim::run::{Options, run};
+use cohold_sim::scene::Scene;
+use cohold_sim::scenes;
 
 fn scene(keys: &[&str]) -> Scene {
-    let mut scene = Scene::new(haptic_guest_laws::laws());
+    let mut scene = Scene::new(cohold_guest_laws::laws());
     keys.iter().for_each(|key| scene.apply_override(key).unwrap_or_else(|error| panic!("{key}: {error}")));
     scene.check("test").unwrap_or_else(|error| panic!("{error}"));
     scene
@@ -114,7 +114,7 @@ fn the_radius_of_coupled_axes_is_the_growth_of_a_long_run_along_the_direction_it
 #[test]
 fn the_scenes_of_a_plane_and_of_space_are_stable_in_every_mode() {
     for (name, oblique) in [("plane", true), ("space", false)] {
-        let judged = judge(&scenes::load(haptic_guest_laws::laws(), name).expect("built in")).expect("a good scene");
+        let judged = judge(&scenes::load(cohold_guest_laws::laws(), name).expect("built in")).expect("a good scene");
         assert!(judged.worst.stable && judged.modes.len() == 3, "{name}: {judged:?}");
         // The slowest is what tautness moves by: 1 s at the most.
         assert!(judged.modes.iter().all(|mode| mode.verdict.spectral_radius < 0.9991), "{name}: {judged:?}");

@@ -3,10 +3,10 @@
 //! The scan asks for the verdict at every point and nothing else: no mesh, no prediction, no bracketing. The search must call each of its
 //! points what it is. Left out are points nearer to a crossing than the tolerance, and scenes on the circle itself, to rounding.
 
-use haptic_analysis::{Effort, Hands, Range, figure4, judge, limit, verdict};
-use haptic_core::names::Choice;
-use haptic_core::object::IntegratorName;
-use haptic_sim::scene::Scene;
+use cohold_analysis::{Effort, Hands, Range, figure4, judge, limit, verdict};
+use cohold_core::names::Choice;
+use cohold_core::object::IntegratorName;
+use cohold_sim::scene::Scene;
 use rayon::prelude::*;
 
 use super::random::Random;

@@ -1,7 +1,7 @@
 //! The numbers of THEORY §3, each within 1 % (most within 0.1 %).
 
-use haptic_analysis::{Effort, Range, figure4, limit};
-use haptic_sim::scene::Scene;
+use cohold_analysis::{Effort, Range, figure4, limit};
+use cohold_sim::scene::Scene;
 
 const K_T: &str = "coordination.stiffness_n_per_m";
 const K_LC: &str = "contact.stiffness_n_per_m";
@@ -89,7 +89,7 @@ fn crossings_are_crossings() {
     for (at, crossing) in crossings(&scene, K_T, 10.0, 13_000.0).into_iter().enumerate() {
         for (factor, stable) in [(1.0 - 2e-4, at % 2 == 0), (1.0 + 2e-4, at % 2 == 1)] {
             scene.peer.coordination.stiffness_n_per_m = factor * crossing;
-            assert_eq!(haptic_analysis::verdict(&scene).unwrap().stable, stable, "{crossing} · {factor}");
+            assert_eq!(cohold_analysis::verdict(&scene).unwrap().stable, stable, "{crossing} · {factor}");
         }
     }
 }
@@ -110,7 +110,7 @@ fn rest_modes_are_counted() {
     for (law, free, both_held, one_held) in table {
         let mut scene = Scene::default();
         scene.peer.coordination.comm = law;
-        let rest_modes = |scene: &Scene| haptic_analysis::verdict(scene).unwrap().rest_modes;
+        let rest_modes = |scene: &Scene| cohold_analysis::verdict(scene).unwrap().rest_modes;
         assert_eq!(rest_modes(&scene), free, "{law:?}");
         scene.users[1].settings.user.arm_stiffness_n_per_m = 100.0;
         assert_eq!(rest_modes(&scene), if law == "power" { 0 } else { one_held }, "{law:?}, one arm");

@@ -19,15 +19,15 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use haptic_analysis::{Hands, Mode, is_linear, judge};
-use haptic_core::law::event::LONGEST;
-use haptic_core::settings::Allowed;
-use haptic_sim::of_axes;
-use haptic_sim::pair::Pair;
-use haptic_sim::peers::Builds;
-use haptic_sim::plant::Plant;
-use haptic_sim::scene::Scene;
-use haptic_sim::user::User;
+use cohold_analysis::{Hands, Mode, is_linear, judge};
+use cohold_core::law::event::LONGEST;
+use cohold_core::settings::Allowed;
+use cohold_sim::of_axes;
+use cohold_sim::pair::Pair;
+use cohold_sim::peers::Builds;
+use cohold_sim::plant::Plant;
+use cohold_sim::scene::Scene;
+use cohold_sim::user::User;
 use rayon::prelude::*;
 
 use crate::random::{self, Random};
@@ -56,7 +56,7 @@ const MOST_PACKETS: f64 = 90.0;
 /// A random scene of every kind that is judged: each law in turn with keys of its own, soft and stiff contacts, delays of 0 to 250 ms, one to
 /// eight ticks per packet, devices that hold forces back, an object that is shared along one to three axes, walls.
 fn any(seed: u64) -> Scene {
-    let laws = haptic_laws::LAWS;
+    let laws = cohold_laws::LAWS;
     let law = &laws[(seed % laws.len() as u64) as usize];
     let (mut scene, mut random) = (random::of_law(seed, Some(law.name)), Random::new(!seed));
     let delay_s = 1e-3 * (random.spread(1.0, 251.0) - 1.0);
@@ -418,7 +418,7 @@ fn table(of: &[Compared], scenes: u64) -> String {
     };
     let mut table = format!("{scenes} scenes, {} verdicts\n\n{:<20}", of.len(), "law");
     OUTCOMES.iter().for_each(|(_, name)| write!(table, "  {name:>17}").expect("a text"));
-    let laws = haptic_laws::LAWS.iter().map(|law| Some(law.name));
+    let laws = cohold_laws::LAWS.iter().map(|law| Some(law.name));
     for law in laws.chain([None]) {
         write!(table, "\n{:<20}", law.unwrap_or("all")).expect("a text");
         OUTCOMES.iter().for_each(|(outcome, _)| write!(table, "  {:>17}", count(law, *outcome)).expect("a text"));

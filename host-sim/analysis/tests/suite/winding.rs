@@ -1,10 +1,10 @@
 //! The analyser's lag of a current loop against the loop itself: core's whole numbers around an exact winding, simulated.
 
-use haptic_analysis::{Effort, Range, limit};
-use haptic_core::num::Motion;
-use haptic_sim::pair::Pair;
-use haptic_sim::scene::Scene;
-use haptic_sim::scenes;
+use cohold_analysis::{Effort, Range, limit};
+use cohold_core::num::Motion;
+use cohold_sim::pair::Pair;
+use cohold_sim::scene::Scene;
+use cohold_sim::scenes;
 
 /// The cooperation paper's §5.2, nobody pushing, with a fine converter: what decides is the loop and not its steps.
 fn scene(keys: &[&str]) -> Scene {
@@ -13,7 +13,7 @@ fn scene(keys: &[&str]) -> Scene {
     // What limits take of a contact is passive, and would settle.
     let unbound = ["safety.max_force_n=200", "safety.max_slew_n_per_s=1000000"];
     let keys: Vec<String> = base.iter().chain(&none).chain(&unbound).chain(keys).map(|key| key.to_string()).collect();
-    scenes::find(haptic_guest_laws::laws(), Some(std::path::Path::new("paper-5.2-passive-wave-16ms")), &keys).unwrap()
+    scenes::find(cohold_guest_laws::laws(), Some(std::path::Path::new("paper-5.2-passive-wave-16ms")), &keys).unwrap()
 }
 
 /// The stiffest contact that the analyser calls stable, N/m.

@@ -2,11 +2,11 @@
 //!
 //! Lines are those of firmware/src/operator.rs.
 
-use haptic_core::device::probe::End;
-use haptic_core::device::stage::Measured;
-use haptic_core::settings::{Choice, Settings, Value};
-use haptic_core::{device::AXES, device::kinematics::KinematicsName, num::Motion};
-use haptic_protocol::record::Record;
+use cohold_core::device::probe::End;
+use cohold_core::device::stage::Measured;
+use cohold_core::settings::{Choice, Settings, Value};
+use cohold_core::{device::AXES, device::kinematics::KinematicsName, num::Motion};
+use cohold_protocol::record::Record;
 
 use crate::Error;
 use crate::status::Probed;
@@ -131,7 +131,7 @@ impl Joint {
     pub fn of(settings: &Settings, number: u32) -> Result<Self, Error> {
         if !(1..=settings.axis.count).contains(&number) {
             let allowed = format!("axis.count is {}", settings.axis.count);
-            return Err(haptic_sim::Error::not_allowed(format!("joint {number}"), allowed).into());
+            return Err(cohold_sim::Error::not_allowed(format!("joint {number}"), allowed).into());
         }
         let (encoder, kinematics) = (&settings.encoder, &settings.kinematics);
         let counts_per_unit = match kinematics.model {
@@ -145,7 +145,7 @@ impl Joint {
                 ).into());
             }
         };
-        let model = haptic_core::device::kinematics::AnyKinematics::<f64>::build(settings)?;
+        let model = cohold_core::device::kinematics::AnyKinematics::<f64>::build(settings)?;
         let lever = model.forward([Motion::REST; AXES]).jacobian[number as usize - 1][number as usize - 1];
         let sign = if encoder.reversed { -1.0 } else { 1.0 };
         Ok(Self {
@@ -189,7 +189,7 @@ pub fn run(board: &mut dyn Board, joint: u32, line: &str) -> Result<Run, Error> 
     let mut total = 0.0;
     for tick in ticks {
         if let Some(last) = last {
-            haptic_sim::refuse_if!(
+            cohold_sim::refuse_if!(
                 tick.number.wrapping_sub(last.number) != 1,
                 "ticks {} to {} got lost on the way: try again",
                 last.number,

@@ -3,7 +3,7 @@
 //! Both marks are taken as the mean over a fifth of a second in which the joint must stand still. What is not in the
 //! interval: how well the person meets the marks. For a relative error e of the scale they must be met to e times the distance.
 
-use haptic_core::device::kinematics::KinematicsName;
+use cohold_core::device::kinematics::KinematicsName;
 
 use super::board::{Board, Joint, Tick, say, settings};
 use super::{Estimate, Found, Person, Task};
@@ -30,7 +30,7 @@ const RESTING: f64 = 4.0;
 /// # Errors
 /// Too few counts for the distance, or marks that scatter too much.
 pub fn scale(moved_counts: f64, spread_counts: f64, distance: Distance) -> Result<Vec<Found>, Error> {
-    haptic_sim::refuse_if!(
+    cohold_sim::refuse_if!(
         moved_counts.abs() < FEWEST,
         "the encoder counted {moved_counts:.0}: too few for a scale, it must be at least {FEWEST:.0}; move it further, \
              or look at its wiring"
@@ -49,8 +49,8 @@ fn rest(board: &mut dyn Board, at: usize, last: &mut Option<Tick>, total: &mut f
     let mut seen = Vec::new();
     follow(board.ticks(0.2)?, at, last, total, |total| seen.push(total))?;
     let (low, high) = seen.iter().fold((f64::MAX, f64::MIN), |(low, high), &at| (at.min(low), at.max(high)));
-    haptic_sim::refuse_if!(seen.len() < 5, "the board's ticks do not come: is something else listening to it?");
-    haptic_sim::refuse_if!(high - low > RESTING, "it moved by {:.0} counts at a mark: hold it still there", high - low);
+    cohold_sim::refuse_if!(seen.len() < 5, "the board's ticks do not come: is something else listening to it?");
+    cohold_sim::refuse_if!(high - low > RESTING, "it moved by {:.0} counts at a mark: hold it still there", high - low);
     Ok((seen.iter().sum::<f64>() / seen.len() as f64, high - low))
 }
 
@@ -64,7 +64,7 @@ fn follow(
 ) -> Result<(), Error> {
     for tick in ticks {
         if let Some(last) = last {
-            haptic_sim::refuse_if!(
+            cohold_sim::refuse_if!(
                 tick.number.wrapping_sub(last.number) != EVERY,
                 "ticks got lost on the way: try again, and do not take longer than 20 s"
             );
@@ -92,7 +92,7 @@ pub fn calibrate(
     };
     if !(length > 0.0 && length <= 100.0) {
         let allowed = "it must be above 0 and up to 100";
-        return Err(haptic_sim::Error::not_allowed(format!("a distance of {length}"), allowed).into());
+        return Err(cohold_sim::Error::not_allowed(format!("a distance of {length}"), allowed).into());
     }
     let settings = settings(board)?;
     let turns = settings.kinematics.model != KinematicsName::Direct;

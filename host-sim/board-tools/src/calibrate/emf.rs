@@ -9,7 +9,7 @@
 //!
 //! Limits: as good as the supply's voltage is measured, which is not in the interval.
 
-use haptic_core::{device::current::PWM_PERIOD_S, settings::Settings};
+use cohold_core::{device::current::PWM_PERIOD_S, settings::Settings};
 
 use super::board::{Board, Joint, Run, settings};
 use super::least_squares::solve;
@@ -66,18 +66,18 @@ pub fn constant(board: &mut dyn Board, number: u32) -> Result<Option<Estimate>, 
         return Ok(None);
     }
     let found: Vec<f64> = runs.iter().flat_map(|run| constants(run, &joint, &settings)).collect();
-    haptic_sim::refuse_if!(
+    cohold_sim::refuse_if!(
         found.len() < FEWEST,
         "the joint went too far or too fast to see what voltage it makes: raise probe.max_travel_counts"
     );
     let mut constant = Estimate::of(&found);
     constant.within += MODEL * constant.value.abs();
-    haptic_sim::refuse_if!(
+    cohold_sim::refuse_if!(
         constant.within > 0.25 * constant.value.abs(),
         "the voltage that the motor makes by moving tells its constant as {constant}, which says nothing: let go of it, or raise \
              probe.max_duty or probe.max_travel_counts"
     );
-    haptic_sim::refuse_if!(
+    cohold_sim::refuse_if!(
         constant.value < 0.0,
         "the motor makes a voltage against its motion: `calibrate sign` first"
     );

@@ -17,7 +17,7 @@ pub mod settings_file;
 pub mod simulated;
 pub mod winding;
 
-use haptic_sim::student::student_95;
+use cohold_sim::student::student_95;
 
 use crate::Error;
 
@@ -53,7 +53,7 @@ impl Estimate {
 
 impl std::fmt::Display for Estimate {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let digits = |number: f64| haptic_report::significant(number, 4);
+        let digits = |number: f64| cohold_report::significant(number, 4);
         write!(f, "{} ± {}", digits(self.value), digits(self.within))
     }
 }

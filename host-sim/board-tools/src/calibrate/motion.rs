@@ -21,9 +21,9 @@
 
 use std::{array::from_fn, f64::consts::PI, f64::consts::TAU};
 
-use haptic_core::device::probe::End;
-use haptic_core::settings::Settings;
-use haptic_sim::student::student_95;
+use cohold_core::device::probe::End;
+use cohold_core::settings::Settings;
+use cohold_sim::student::student_95;
 
 use super::board::{Board, Joint, Run, Tick, run, say, seen, settings};
 use super::least_squares::solve;
@@ -138,7 +138,7 @@ fn unknowns<const N: usize>(runs: &[Run], joint: &Joint, per_m: f64) -> Result<(
         let all = runs.iter().flat_map(|run| rows(run, joint, per_m, delay_s));
         let all: Vec<_> = all.map(|(row, right)| (from_fn(|at| row[at]), right)).collect();
         windows = all.len();
-        haptic_sim::refuse_if!(
+        cohold_sim::refuse_if!(
             windows < FEWEST,
             "it moved in {windows} windows of {WINDOW_S} s, which is too little: at least {FEWEST}; let go of it, or raise \
                  probe.max_duty, probe.max_travel_counts or probe.max_s"
@@ -203,8 +203,8 @@ pub fn identify(board: &mut dyn Board, number: u32) -> Result<(Motion, Joint, Se
             *estimate = estimate.times(-1.0);
         }
     }
-    haptic_sim::refuse_if!(motion.mass.value <= 0.0, "the joint speeds up against its motor: `calibrate sign` first");
-    haptic_sim::refuse_if!(
+    cohold_sim::refuse_if!(motion.mass.value <= 0.0, "the joint speeds up against its motor: `calibrate sign` first");
+    cohold_sim::refuse_if!(
         motion.mass.within > 0.25 * motion.mass.value,
         "the motion tells the mass only to {:.0} %: let go of it, or raise probe.max_duty or probe.max_travel_counts",
         100.0 * motion.mass.within / motion.mass.value
@@ -227,7 +227,7 @@ pub fn friction(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, Error>
     // A friction below zero is none, as far as the data go.
     let at_least_none = |estimate: Estimate| Estimate { value: estimate.value.max(0.0), ..estimate };
     for (name, estimate) in [("viscous", motion.damping), ("dry", motion.dry)] {
-        haptic_sim::refuse_if!(
+        cohold_sim::refuse_if!(
             estimate.value < -3.0 * estimate.within,
             "{name} friction comes out at {}: something else pushes",
             estimate.times(newton)
@@ -247,7 +247,7 @@ pub fn inertia(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, Error> 
     let (motion, joint, settings) = identify(board, number)?;
     let newton = newton_per_duty(&settings, &joint);
     let delay = motion.delay_s.times(1.0 / joint.period_s);
-    haptic_sim::refuse_if!(
+    cohold_sim::refuse_if!(
         delay.value > 1.0 + delay.within,
         "force follows duty by {delay} control periods, more than the 1 that a scene can have"
     );
@@ -278,7 +278,7 @@ pub fn cogging(board: &mut dyn Board, person: &mut dyn Person, number: u32) -> R
     let met = seen(board)?;
     // The index moves the joint's place and not its counter, which has 16 bits.
     let apart = |tick: Tick| f64::from(tick.at_m) / joint.m_per_count - f64::from(tick.counts[0]);
-    haptic_sim::refuse_if!(
+    cohold_sim::refuse_if!(
         (apart(met) - apart(home)).round().rem_euclid(65536.0) == 0.0,
         "the index was not met: move the joint past it, or look at its wire"
     );

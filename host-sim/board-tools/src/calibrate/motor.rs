@@ -4,9 +4,9 @@
 //! constant; friction and the gauge's zero are in the intercept. With a mass: the joint is moved alone and with a known mass
 //! fastened to it; the masses come out in units of duty, and what they differ by is known in kilograms. Or by its voltage ([`emf`]).
 
-use haptic_core::device::probe::{End, Verdict};
-use haptic_core::settings::Settings;
-use haptic_sim::student::student_95;
+use cohold_core::device::probe::{End, Verdict};
+use cohold_core::settings::Settings;
+use cohold_sim::student::student_95;
 
 use super::board::{Board, Joint, probed, run, say, settings};
 use super::{Estimate, Found, Person, Task, emf, motion};
@@ -23,10 +23,10 @@ pub fn slope(points: &[(f64, f64)]) -> Result<Estimate, Error> {
     let squares: f64 = points.iter().map(|point| (point.0 - x).powi(2)).sum();
     let value = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum::<f64>() / squares;
     let left: f64 = points.iter().map(|point| (point.1 - y - value * (point.0 - x)).powi(2)).sum();
-    haptic_sim::refuse_if!(points.len() < 3, "two readings make no line: give at least three");
+    cohold_sim::refuse_if!(points.len() < 3, "two readings make no line: give at least three");
     let t = student_95(points.len() as u32 - 2);
     let within = t * (left / (count - 2.0) / squares).sqrt();
-    haptic_sim::refuse_if!(
+    cohold_sim::refuse_if!(
         value <= 0.0 || within > 0.25 * value,
         "the readings lie on no line: {} N per full duty; hold the joint firmly against the gauge, and read it in newtons",
         Estimate::new(value, within)
@@ -96,7 +96,7 @@ fn gauge(board: &mut dyn Board, person: &mut dyn Person, number: u32) -> Result<
     for step in 1..=4 {
         let duty = most * f64::from(step) / 4.0;
         let pushed = run(board, number, &format!("probe {number} pulse {duty:.4} {}", settings.probe.max_s))?;
-        haptic_sim::refuse_if!(pushed.end != End::Done, "the joint gave way: hold it against the gauge all the time");
+        cohold_sim::refuse_if!(pushed.end != End::Done, "the joint gave way: hold it against the gauge all the time");
         points.push((
             duty,
             person.reading(&format!("the force that the gauge showed at {:.1} % of full duty, N", 100.0 * duty))?,
@@ -114,14 +114,14 @@ fn mass(
 ) -> Result<(Estimate, &'static str), Error> {
     if !(kilograms > 0.0 && kilograms <= 100.0) {
         let allowed = "it must be above 0 and up to 100";
-        return Err(haptic_sim::Error::not_allowed(format!("an added mass of {kilograms} kg"), allowed).into());
+        return Err(cohold_sim::Error::not_allowed(format!("an added mass of {kilograms} kg"), allowed).into());
     }
     person.please(&Task::LetGo { joint: number })?;
     let (alone, joint, settings) = motion::identify(board, number)?;
     person.please(&Task::Fasten { joint: number, kilograms })?;
     let (loaded, ..) = motion::identify(board, number)?;
     let (difference, within) = (loaded.mass.value - alone.mass.value, loaded.mass.within.hypot(alone.mass.within));
-    haptic_sim::refuse_if!(
+    cohold_sim::refuse_if!(
         difference <= 0.0 || within > 0.2 * difference,
         "the added mass shows as {} of {} of what moves: fasten it well, or take a larger one",
         Estimate::new(difference / loaded.mass.value, within / loaded.mass.value),

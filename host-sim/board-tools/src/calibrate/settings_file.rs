@@ -4,9 +4,9 @@
 
 use std::path::Path;
 
-use haptic_core::settings::{Settings, Value};
-use haptic_io::Kind;
-use haptic_sim::scene::{MOST, Scene};
+use cohold_core::settings::{Settings, Value};
+use cohold_io::Kind;
+use cohold_sim::scene::{MOST, Scene};
 
 use super::Found;
 use super::board::{Board, say};
@@ -19,7 +19,7 @@ use crate::Error;
 pub fn add(path: &Path, found: &[Found]) -> Result<(), Error> {
     let place = path.display();
     let before = if path.exists() {
-        haptic_io::text(path, MOST).map_err(haptic_sim::Error::cannot("read", &place))?
+        cohold_io::text(path, MOST).map_err(cohold_sim::Error::cannot("read", &place))?
     } else {
         String::new()
     };
@@ -28,13 +28,13 @@ pub fn add(path: &Path, found: &[Found]) -> Result<(), Error> {
         let (table, name) = key.split_once('.').unwrap_or(("", key));
         let entry = document.entry(table).or_insert_with(|| toml::Value::Table(toml::Table::new()));
         let Some(inner) = entry.as_table_mut() else {
-            return Err(haptic_sim::Error::at(place, format!("{table} is no table")).into());
+            return Err(cohold_sim::Error::at(place, format!("{table} is no table")).into());
         };
         inner.insert(name.to_owned(), value.clone());
     }
-    let text = format!("# Found by `host-sim board calibrate`; a scene file, in part.\n\n{document}");
+    let text = format!("# Found by `cohold board calibrate`; a scene file, in part.\n\n{document}");
     Scene::default().apply(&text, &place.to_string(), path.parent())?;
-    Ok(haptic_io::write(path, text.as_bytes(), Kind::Named).map_err(haptic_sim::Error::cannot("write", &place))?)
+    Ok(cohold_io::write(path, text.as_bytes(), Kind::Named).map_err(cohold_sim::Error::cannot("write", &place))?)
 }
 
 /// The keys that a scene's text names, as `table.key`; none where it is no TOML.
@@ -60,8 +60,8 @@ pub fn plain(value: Value<'_>) -> String {
 /// # Errors
 /// The file cannot be read, or the board refuses a key.
 pub fn give(board: &mut dyn Board, path: &Path) -> Result<usize, Error> {
-    let scene = Scene::load(haptic_sim::Laws::built_in(), Some(path), &[])?;
-    let text = haptic_io::text(path, MOST).map_err(haptic_sim::Error::cannot("read", &path.display()))?;
+    let scene = Scene::load(cohold_sim::Laws::built_in(), Some(path), &[])?;
+    let text = cohold_io::text(path, MOST).map_err(cohold_sim::Error::cannot("read", &path.display()))?;
     give_scene(board, &scene, &named(&text))
 }
 

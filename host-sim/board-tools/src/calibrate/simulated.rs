@@ -6,18 +6,18 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use haptic_core::device::motor::Duty;
-use haptic_core::device::probe::{Probe, Request, Shape};
-use haptic_core::device::{AXES, Reading};
-use haptic_core::settings::{Choice, Settings, Value};
-use haptic_core::{
+use cohold_core::device::motor::Duty;
+use cohold_core::device::probe::{Probe, Request, Shape};
+use cohold_core::device::{AXES, Reading};
+use cohold_core::settings::{Choice, Settings, Value};
+use cohold_core::{
     device::velocity::VelocityName,
     num::Motion,
     safety::{Command, Mode},
 };
-use haptic_sim::peers::{DynPeer, Laws};
-use haptic_sim::plant::Plant;
-use haptic_sim::scene::{DriveName, Scene};
+use cohold_sim::peers::{DynPeer, Laws};
+use cohold_sim::plant::Plant;
+use cohold_sim::scene::{DriveName, Scene};
 
 use super::board::{Board, Joint, Tick};
 use super::{Person, Task};
@@ -246,7 +246,7 @@ impl Simulated {
         Ok(())
     }
 
-    fn begin(&mut self, probe: Result<Probe<f32>, haptic_core::settings::Refused<'static>>) -> String {
+    fn begin(&mut self, probe: Result<Probe<f32>, cohold_core::settings::Refused<'static>>) -> String {
         match (self.peer.mode(), probe) {
             (_, Err(refused)) => format!("error {refused}"),
             (Mode::Disarmed, Ok(probe)) => {
@@ -335,7 +335,7 @@ impl Board for SharedSimulation {
     fn ask(&mut self, line: &str) -> Result<String, Error> {
         let mut simulated = self.0.borrow_mut();
         simulated.steps(0.002);
-        haptic_sim::refuse_if!(simulated.silent_s.is_some(), "no answer: the cable is out");
+        cohold_sim::refuse_if!(simulated.silent_s.is_some(), "no answer: the cable is out");
         Ok(simulated.answer(line).unwrap_or_else(|| "error the simulated board does not know this line".to_owned()))
     }
 

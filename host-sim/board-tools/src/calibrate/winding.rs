@@ -1,6 +1,6 @@
 //! Resistance and inductance of a motor's winding and the zero of its current's sensor, by small voltages to and fro.
 //!
-//! A [probe](haptic_core::device::winding) of alternating voltage without a loop, at two amplitudes. From one sample of the current to the
+//! A [probe](cohold_core::device::winding) of alternating voltage without a loop, at two amplitudes. From one sample of the current to the
 //! next i′ = a·i + g·(u − e), with a = exp(−R·T/L) over a PWM period T; summed over the N periods of a tick, exactly,
 //!
 //! ```text
@@ -19,12 +19,12 @@
 //! part of each pulse is not in κ, and dead time that stops the current on its way through zero not in the difference: half a microsecond
 //! of it is 15 % of L at the most. What the supply's measurement is off by is in no interval.
 
-use haptic_core::device::current::periods_per_tick;
-use haptic_core::device::probe::{End, STEP_S};
-use haptic_core::device::stage::Measured;
-use haptic_core::device::winding::{LEAST_CODES, REST_STEPS, WAYS};
-use haptic_core::device::{current::PWM_PERIOD_S, motor::Duty};
-use haptic_core::settings::Settings;
+use cohold_core::device::current::periods_per_tick;
+use cohold_core::device::probe::{End, STEP_S};
+use cohold_core::device::stage::Measured;
+use cohold_core::device::winding::{LEAST_CODES, REST_STEPS, WAYS};
+use cohold_core::device::{current::PWM_PERIOD_S, motor::Duty};
+use cohold_core::settings::Settings;
 
 use super::board::{Board, Run, run, seen, settings};
 use super::least_squares::solve;
@@ -211,20 +211,20 @@ pub fn identify(runs: [&Run; 2], settings: &Settings, number: u32) -> Result<Win
         })
         .collect();
     let ticks = (split_rows.len() / STRETCHES).min(TICKS) / WAYS.len() * WAYS.len();
-    haptic_sim::refuse_if!(ticks < FEWEST, "{} ticks of voltage are too few: raise probe.max_s", split_rows.len());
+    cohold_sim::refuse_if!(ticks < FEWEST, "{} ticks of voltage are too few: raise probe.max_s", split_rows.len());
     let power = |of: fn(&Row) -> f64| split_rows.iter().map(of).sum::<f64>() / split_rows.len() as f64;
     let least = f64::from(LEAST_CODES) / f64::from(Duty::FULL_SCALE) * settings.motor.full_scale_a;
     // What a voltage changes shows its sign in any winding whose change is not gone when it is sampled, also where the current follows slowly.
     let along = power(|row| row.volts * row.change);
     let together = (power(|row| row.volts.powi(2)) * power(|row| row.change.powi(2))).sqrt();
     let square = power(|row| row.before.powi(2));
-    haptic_sim::refuse_if!(
+    cohold_sim::refuse_if!(
         square < (0.5 * least).powi(2),
         "no current flows ({:.1} mA): an open motor, a bridge without supply, or a sensor that is not connected",
         1e3 * square.sqrt()
     );
     // And a winding takes power.
-    haptic_sim::refuse_if!(
+    cohold_sim::refuse_if!(
         along < -AGAINST * together && power(|row| row.volts * row.before) < 0.0,
         "the current flows against the voltage: swap the two wires at the current's sensor"
     );
@@ -237,7 +237,7 @@ pub fn identify(runs: [&Run; 2], settings: &Settings, number: u32) -> Result<Win
         given += squares[1];
     }
     let [mut resistance_ohm, mut inductance_h, moved_ohm, moved_h] = found.map(|values| Estimate::of(&values));
-    haptic_sim::refuse_if!(
+    cohold_sim::refuse_if!(
         resistance_ohm.value.is_nan(),
         "current and voltage are not those of a winding: its current is gone before it is measured (L/R far below a PWM period), or \
                     a wire is loose"
@@ -247,7 +247,7 @@ pub fn identify(runs: [&Run; 2], settings: &Settings, number: u32) -> Result<Win
     let ticks = (ticks * STRETCHES.min(split_rows.len() / ticks)) as f64;
     let of_noise = ticks * noise * (inductance_h.value / (periods * PWM_PERIOD_S)).powi(2);
     let misfit = ((left - of_noise).max(0.0) / given).sqrt();
-    haptic_sim::refuse_if!(
+    cohold_sim::refuse_if!(
         misfit > MISFIT,
         "current and voltage are not those of a winding: {:.0} % of the voltage is left unexplained, may be {:.0} %; look for a loose \
              wire, and that nothing moves the joint",
@@ -257,7 +257,7 @@ pub fn identify(runs: [&Run; 2], settings: &Settings, number: u32) -> Result<Win
     resistance_ohm.within += UNSURE * moved_ohm.value.abs();
     inductance_h.within += UNSURE * moved_h.value.abs();
     for (name, estimate) in [("resistance", resistance_ohm), ("inductance", inductance_h)] {
-        haptic_sim::refuse_if!(
+        cohold_sim::refuse_if!(
             !(estimate.value > 0.0 && estimate.within < 0.25 * estimate.value),
             "the {name} comes out at {estimate}, which says nothing: raise probe.max_duty"
         );
@@ -330,7 +330,7 @@ pub fn winding(board: &mut dyn Board, number: u32, sheet: Sheet) -> Result<Optio
     let wanted_s = period_s * f64::from(REST_STEPS + (STRETCHES * TICKS) as u32);
     let Some(supply_v) = supply_v(board)? else { return Ok(None) };
     let constant_s = motor.inductance_h / motor.resistance_ohm;
-    haptic_sim::refuse_if!(
+    cohold_sim::refuse_if!(
         constant_s < LEAST_CONSTANT_S,
         "a winding of {} H and {} Ω has a time constant of {:.0} µs, must have {:.0} at the least: between two pulses of the bridge its \
              current is gone before it is measured; put an inductor in series",
@@ -358,7 +358,7 @@ pub fn winding(board: &mut dyn Board, number: u32, sheet: Sheet) -> Result<Optio
     let Winding { resistance_ohm, inductance_h, zero_a } = identify([&runs[1], &runs[2]], &settings, number)?;
     fits("resistance", resistance_ohm, sheet.resistance_ohm, sheet.tolerance, "Ω")?;
     fits("inductance", inductance_h, sheet.inductance_h, sheet.tolerance, "H")?;
-    haptic_sim::refuse_if!(
+    cohold_sim::refuse_if!(
         zero_a.value.abs() > ZERO * motor.sense_a,
         "the current's sensor reads {zero_a} A while none flows, may be {} A: look at its reference",
         ZERO * motor.sense_a

@@ -2,19 +2,19 @@
 
 use std::path::PathBuf;
 
-use haptic_board_tools::Error;
-use haptic_board_tools::bringup::{OFF_V, Passed, Plan, VOLTMETER, bring_up};
-use haptic_board_tools::calibrate::board::{Board, Tick};
-use haptic_board_tools::calibrate::counts::Distance;
-use haptic_board_tools::calibrate::motor::Against;
-use haptic_board_tools::calibrate::simulated::{Currents, SharedSimulation, Stop};
-use haptic_board_tools::calibrate::winding::Sheet;
-use haptic_board_tools::calibrate::{Person, Task};
-use haptic_board_tools::status::{Probed, Status};
-use haptic_core::device::probe::{End, Outcome, Verdict};
-use haptic_core::safety::{Fault, Mode};
-use haptic_core::settings::Choice;
-use haptic_sim::scene::Scene;
+use cohold_board_tools::Error;
+use cohold_board_tools::bringup::{OFF_V, Passed, Plan, VOLTMETER, bring_up};
+use cohold_board_tools::calibrate::board::{Board, Tick};
+use cohold_board_tools::calibrate::counts::Distance;
+use cohold_board_tools::calibrate::motor::Against;
+use cohold_board_tools::calibrate::simulated::{Currents, SharedSimulation, Stop};
+use cohold_board_tools::calibrate::winding::Sheet;
+use cohold_board_tools::calibrate::{Person, Task};
+use cohold_board_tools::status::{Probed, Status};
+use cohold_core::device::probe::{End, Outcome, Verdict};
+use cohold_core::safety::{Fault, Mode};
+use cohold_core::settings::Choice;
+use cohold_sim::scene::Scene;
 
 const DEVICE: &str = "device.mass_kg=0.17";
 
@@ -54,7 +54,7 @@ fn run_by<B: Board>(
     wrap: fn(SharedSimulation) -> B,
 ) -> (Option<Scene>, B, Result<Vec<Passed>, Error>, f64) {
     let overrides: Vec<String> = device.split_whitespace().map(str::to_owned).collect();
-    let truth = Scene::load(haptic_sim::Laws::built_in(), None, &overrides).unwrap_or_else(|error| panic!("{error}"));
+    let truth = Scene::load(cohold_sim::Laws::built_in(), None, &overrides).unwrap_or_else(|error| panic!("{error}"));
     let careful = SharedSimulation::new(&truth).expect("a board");
     let (mut board, mut person) = (wrap(careful.clone()), Careless { careful: careful.clone(), leaves_out });
     let file = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("brought-up-{name}.toml"));
@@ -70,9 +70,9 @@ fn run_by<B: Board>(
     });
     let before_the_loop_a = before_the_loop_a.unwrap_or(careful.currents().open_a);
     let found = outcome.is_ok().then(|| {
-        let before = haptic_core::settings::Settings::default().safety.max_force_n;
+        let before = cohold_core::settings::Settings::default().safety.max_force_n;
         assert_eq!(careful.settings().safety.max_force_n, before, "the limit is put back");
-        Scene::load(haptic_sim::Laws::built_in(), Some(&file), &[]).expect("the simulator takes the file")
+        Scene::load(cohold_sim::Laws::built_in(), Some(&file), &[]).expect("the simulator takes the file")
     });
     (found, board, outcome, before_the_loop_a)
 }
@@ -102,7 +102,7 @@ const ASKED_A: f64 = 0.5;
 /// no more than 120 % of what was asked for, and 20 mA, flows at any step. `BRINGUP_WINDINGS` says how many.
 #[test]
 fn windings_of_any_kind_pass_and_take_no_more_than_was_asked_for() {
-    let mut rng = haptic_sim::rng::Rng::new(1);
+    let mut rng = cohold_sim::rng::Rng::new(1);
     let mut between = |low: f64, high: f64| low * (high / low).powf(rng.unit());
     let windings = std::env::var("BRINGUP_WINDINGS").map_or(12, |text| text.parse().expect("a number"));
     let (mut counts, mut most_a, mut most_closed): ([u32; 2], f64, f64) = Default::default();
@@ -211,7 +211,7 @@ fn stopped_by(device: &str, stop: Stop, shows: f64) -> Result<String, String> {
         }
     }
     let overrides: Vec<String> = device.split_whitespace().map(str::to_owned).collect();
-    let truth = Scene::load(haptic_sim::Laws::built_in(), None, &overrides).expect("a device");
+    let truth = Scene::load(cohold_sim::Laws::built_in(), None, &overrides).expect("a device");
     let mut board = SharedSimulation::new(&truth).expect("a board");
     board.wire_stop(stop);
     let file = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("brought-up-stop.toml");

@@ -1,21 +1,21 @@
 //! Calibration against devices whose numbers are known: the whole procedure on a simulated board, the fit against closed
 //! forms with noise, and what is refused instead of guessed.
 
-use haptic_board_tools::Error;
-use haptic_board_tools::calibrate::board::{Board, Joint, Run, Tick};
-use haptic_board_tools::calibrate::simulated::SharedSimulation;
-use haptic_board_tools::calibrate::{Found, Person, Task, motion, settings_file};
-use haptic_board_tools::{calibrate::counts, calibrate::counts::Distance};
-use haptic_board_tools::{calibrate::motor, calibrate::motor::Against};
-use haptic_core::device::probe::End;
-use haptic_core::settings::Value;
-use haptic_sim::scene::Scene;
+use cohold_board_tools::Error;
+use cohold_board_tools::calibrate::board::{Board, Joint, Run, Tick};
+use cohold_board_tools::calibrate::simulated::SharedSimulation;
+use cohold_board_tools::calibrate::{Found, Person, Task, motion, settings_file};
+use cohold_board_tools::{calibrate::counts, calibrate::counts::Distance};
+use cohold_board_tools::{calibrate::motor, calibrate::motor::Against};
+use cohold_core::device::probe::End;
+use cohold_core::settings::Value;
+use cohold_sim::scene::Scene;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
 fn scene(overrides: &str) -> Scene {
     let overrides: Vec<String> = overrides.split_whitespace().map(str::to_owned).collect();
-    Scene::load(haptic_sim::Laws::built_in(), None, &overrides).unwrap_or_else(|error| panic!("{error}"))
+    Scene::load(cohold_sim::Laws::built_in(), None, &overrides).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn number(found: &[Found], key: &str) -> f64 {
@@ -33,7 +33,7 @@ fn give(board: &mut SharedSimulation, found: &[Found], name: &str) {
     let _ = std::fs::remove_file(&path);
     settings_file::add(&path, found).expect("a settings file");
     settings_file::give(board, &path).expect("the board takes it");
-    Scene::load(haptic_sim::Laws::built_in(), Some(&path), &[]).expect("the simulator takes it");
+    Scene::load(cohold_sim::Laws::built_in(), Some(&path), &[]).expect("the simulator takes it");
 }
 
 #[track_caller]
@@ -238,13 +238,13 @@ fn ticks_that_get_lost_are_noticed() {
 fn the_settings_file_grows() {
     let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("grows.toml");
     std::fs::write(&path, "[object]\nmass_kg = 0.25\n[encoder]\ncounts_per_m = 1000.0\n").expect("a file");
-    let estimate = haptic_board_tools::calibrate::Estimate { value: 123_456.0, within: 10.0 };
+    let estimate = cohold_board_tools::calibrate::Estimate { value: 123_456.0, within: 10.0 };
     settings_file::add(
         &path,
         &[Found::number("encoder.counts_per_m", estimate, ""), Found::flag("motor.reversed", true)],
     )
     .expect("it takes them");
-    let scene = Scene::load(haptic_sim::Laws::built_in(), Some(&path), &[]).expect("a scene");
+    let scene = Scene::load(cohold_sim::Laws::built_in(), Some(&path), &[]).expect("a scene");
     assert_eq!(scene.get("object.mass_kg"), Some(Value::Number(0.25)));
     assert_eq!(scene.get("encoder.counts_per_m"), Some(Value::Number(123_456.0)));
     assert_eq!(scene.get("motor.reversed"), Some(Value::Flag(true)));
@@ -252,7 +252,7 @@ fn the_settings_file_grows() {
     assert_eq!(settings_file::give(&mut board, &path).expect("it takes them"), 3);
     assert_eq!(board.settings().get("encoder.counts_per_m"), Some(Value::Number(123_456.0)));
     // What is outside a key's range never reaches the file.
-    let far = haptic_board_tools::calibrate::Estimate { value: 1e12, within: 1.0 };
+    let far = cohold_board_tools::calibrate::Estimate { value: 1e12, within: 1.0 };
     let before = std::fs::read_to_string(&path).expect("a file");
     refused(settings_file::add(&path, &[Found::number("encoder.counts_per_m", far, "")]), "encoder.counts_per_m");
     assert_eq!(std::fs::read_to_string(&path).expect("a file"), before);
@@ -262,7 +262,7 @@ fn the_settings_file_grows() {
 fn told(truth: &Scene) -> SharedSimulation {
     let mut board = SharedSimulation::new(truth).expect("a board");
     for table in ["encoder.", "motor."] {
-        for key in haptic_core::settings::Settings::keys().filter(|key| key.name.starts_with(table)) {
+        for key in cohold_core::settings::Settings::keys().filter(|key| key.name.starts_with(table)) {
             let value = truth.peer.get(key.name).expect("a value").to_string();
             let answer = board.ask(&format!("set {} {}", key.name, value.trim_matches('"'))).expect("an answer");
             assert!(answer.starts_with("ok"), "{answer}");

@@ -1,12 +1,12 @@
 //! What current and voltage say, on simulated boards with a current loop: the true winding and constant are within their intervals, and
 //! each thing that is broken or wrong is refused before the board can be armed.
 
-use haptic_board_tools::calibrate::board::{Board, Run, run as run_line};
-use haptic_board_tools::calibrate::simulated::SharedSimulation;
-use haptic_board_tools::calibrate::winding::{Sheet, Winding, identify, winding};
-use haptic_board_tools::calibrate::{Estimate, emf};
-use haptic_board_tools::{calibrate::motor, calibrate::motor::Against};
-use haptic_sim::scene::Scene;
+use cohold_board_tools::calibrate::board::{Board, Run, run as run_line};
+use cohold_board_tools::calibrate::simulated::SharedSimulation;
+use cohold_board_tools::calibrate::winding::{Sheet, Winding, identify, winding};
+use cohold_board_tools::calibrate::{Estimate, emf};
+use cohold_board_tools::{calibrate::motor, calibrate::motor::Against};
+use cohold_sim::scene::Scene;
 
 use crate::calibrate::refused;
 
@@ -14,7 +14,7 @@ const DEVICE: &str = "plant.drive=current plant.pwm_steps=3000 device.mass_kg=0.
 
 fn scene(overrides: &str) -> Scene {
     let overrides: Vec<String> = format!("{DEVICE} {overrides}").split_whitespace().map(str::to_owned).collect();
-    Scene::load(haptic_sim::Laws::built_in(), None, &overrides).unwrap_or_else(|error| panic!("{error}"))
+    Scene::load(cohold_sim::Laws::built_in(), None, &overrides).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn board(overrides: &str) -> SharedSimulation {
@@ -176,7 +176,7 @@ fn a_motor_that_cannot_be_explained_is_refused() {
         refused(winding(&mut held, 1, good), "raise probe.max_s");
     }
     // Without a loop there is nothing to see.
-    let plain = Scene::load(haptic_sim::Laws::built_in(), None, &[]).expect("defaults");
+    let plain = Scene::load(cohold_sim::Laws::built_in(), None, &[]).expect("defaults");
     assert!(matches!(winding(&mut SharedSimulation::new(&plain).expect("a board"), 1, good), Ok(None)));
     assert!(matches!(emf::constant(&mut SharedSimulation::new(&plain).expect("a board"), 1), Ok(None)));
 }

@@ -10,16 +10,16 @@
 
 mod board;
 
-use haptic_board_tools::operator::{MOST_ANSWERS, MOST_SAMPLES, Session};
-use haptic_board_tools::recording::{COLUMNS, row, row_of};
-use haptic_board_tools::status::{Probed, Status};
-use haptic_core::sample::SAMPLE;
-use haptic_protocol::key::Key;
-use haptic_protocol::lease::{AtOperator, Motors, Told};
-use haptic_protocol::lines::LONGEST;
-use haptic_protocol::record::Record;
-use haptic_protocol::wire::{MAX_DATAGRAM, Sample};
-use haptic_sim::rng::Rng;
+use cohold_board_tools::operator::{MOST_ANSWERS, MOST_SAMPLES, Session};
+use cohold_board_tools::recording::{COLUMNS, row, row_of};
+use cohold_board_tools::status::{Probed, Status};
+use cohold_core::sample::SAMPLE;
+use cohold_protocol::key::Key;
+use cohold_protocol::lease::{AtOperator, Motors, Told};
+use cohold_protocol::lines::LONGEST;
+use cohold_protocol::record::Record;
+use cohold_protocol::wire::{MAX_DATAGRAM, Sample};
+use cohold_sim::rng::Rng;
 
 use board::{Board, KEY, Program, Said};
 

@@ -1,6 +1,6 @@
 //! Images for a board's bootloader, of files written here byte by byte.
 
-use haptic_board_tools::image::flash;
+use cohold_board_tools::image::flash;
 
 /// A file with these segments: kind, physical address, bytes. As the format's specification has it (ELF-32, figures 1-3 and 2-1).
 fn elf(segments: &[(u32, u32, &[u8])]) -> Vec<u8> {

@@ -5,16 +5,16 @@
 //! Virtual time, a millisecond a step. The operator's end is the one that command line and page have; the board's is its own link and
 //! its own lease, as `firmware/src/port.rs` and `supervisor.rs` call them. The lease itself is explored in `protocol`.
 
+use cohold_board_tools::operator::Session;
+use cohold_core::safety::Mode;
+use cohold_protocol::ends::Ends;
+use cohold_protocol::key::Key;
+use cohold_protocol::lease::{AtBoard, AtOperator, Motors, No, Told, Want, Word};
+use cohold_protocol::lines::{self, Heard, Line, Lines, OPERATOR};
+use cohold_protocol::link::{Link, Notice};
+use cohold_protocol::wire::{MAX_DATAGRAM, PeerId};
 use firmware_parts::hold::{self, Hold};
 use firmware_parts::signals::Signals;
-use haptic_board_tools::operator::Session;
-use haptic_core::safety::Mode;
-use haptic_protocol::ends::Ends;
-use haptic_protocol::key::Key;
-use haptic_protocol::lease::{AtBoard, AtOperator, Motors, No, Told, Want, Word};
-use haptic_protocol::lines::{self, Heard, Line, Lines, OPERATOR};
-use haptic_protocol::link::{Link, Notice};
-use haptic_protocol::wire::{MAX_DATAGRAM, PeerId};
 
 use super::on_path::{self, Fate, PASS, Path, Strategy};
 

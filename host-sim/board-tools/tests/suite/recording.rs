@@ -1,7 +1,7 @@
 //! Gaps in recordings, and boards that started anew in the middle of one.
 
-use haptic_board_tools::recording::{longest_gap, started_anew, tables};
-use haptic_report::Columns;
+use cohold_board_tools::recording::{longest_gap, started_anew, tables};
+use cohold_report::Columns;
 
 fn recorded(ticks: &[u32]) -> Columns {
     let records: Vec<[u8; 108]> = (ticks.iter())

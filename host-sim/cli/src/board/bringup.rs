@@ -1,8 +1,8 @@
-//! `host-sim board bringup`: the first hour with a board and its device, step by step.
+//! `cohold board bringup`: the first hour with a board and its device, step by step.
 
 use clap::Args;
-use haptic_board_tools::bringup::{Plan, bring_up};
-use haptic_board_tools::calibrate::settings_file;
+use cohold_board_tools::bringup::{Plan, bring_up};
+use cohold_board_tools::calibrate::settings_file;
 
 use super::calibrate::{At, By, DataSheet, Reference};
 use crate::{Failure, Ui};

@@ -1,20 +1,20 @@
-//! `host-sim board calibrate`: a person, a board and its device find each other's numbers; one command a quantity.
+//! `cohold board calibrate`: a person, a board and its device find each other's numbers; one command a quantity.
 //!
 //! In this order, each into the same settings file: counts, winding, sign, motor, friction, cogging, inertia. What is found is given to the board at
-//! once, until power goes off; `host-sim board operator … save` keeps it.
+//! once, until power goes off; `cohold board operator … save` keeps it.
 
 use std::io::{BufRead, IsTerminal};
 use std::sync::mpsc::{Receiver, TryRecvError};
 use std::{net::SocketAddr, path::PathBuf};
 
 use clap::{Args, Subcommand};
-use haptic_board_tools::Error;
-use haptic_board_tools::calibrate::{Found, Person, Task, motion, settings_file};
-use haptic_board_tools::{calibrate::board::Board, calibrate::simulated::SharedSimulation};
-use haptic_board_tools::{calibrate::counts, calibrate::counts::Distance};
-use haptic_board_tools::{calibrate::motor, calibrate::motor::Against};
-use haptic_board_tools::{calibrate::winding, calibrate::winding::Sheet};
-use haptic_live::operator::Operator;
+use cohold_board_tools::Error;
+use cohold_board_tools::calibrate::{Found, Person, Task, motion, settings_file};
+use cohold_board_tools::{calibrate::board::Board, calibrate::simulated::SharedSimulation};
+use cohold_board_tools::{calibrate::counts, calibrate::counts::Distance};
+use cohold_board_tools::{calibrate::motor, calibrate::motor::Against};
+use cohold_board_tools::{calibrate::winding, calibrate::winding::Sheet};
+use cohold_live::operator::Operator;
 
 use super::operator;
 use crate::flags::number;
@@ -132,7 +132,7 @@ pub(crate) struct At {
     /// The board's address; its port is 7702 unless another is given. Or `simulated`: a software device, to practise.
     #[arg(long, value_name = "ADDRESS[:PORT]")]
     board: String,
-    /// The operator's key file that the board was provisioned with (`host-sim key generate --operator`).
+    /// The operator's key file that the board was provisioned with (`cohold key generate --operator`).
     #[arg(long, value_name = "FILE")]
     key_file: Option<PathBuf>,
     /// Which joint, 1 or 2.
@@ -158,19 +158,19 @@ impl Terminal {
         match std::io::stdin().lock().read_line(&mut line) {
             Ok(0) => Err("standard input has ended: somebody has to be at the device".into()),
             Ok(_) => Ok(line.trim().to_owned()),
-            Err(cause) => Err(haptic_sim::Error::cannot("read", &"standard input")(cause).into()),
+            Err(cause) => Err(cohold_sim::Error::cannot("read", &"standard input")(cause).into()),
         }
     }
 }
 
 impl Person for Terminal {
     fn please(&mut self, task: &Task) -> Result<(), Error> {
-        haptic_io::say(format_args!("{task}; then press Enter"));
+        cohold_io::say(format_args!("{task}; then press Enter"));
         Self::line().map(|_| ())
     }
 
     fn begin(&mut self, task: &Task) -> Result<(), Error> {
-        haptic_io::say(format_args!("{task}; then press Enter"));
+        cohold_io::say(format_args!("{task}; then press Enter"));
         let (say, typed) = std::sync::mpsc::channel();
         self.typed = Some(typed);
         std::thread::spawn(move || say.send(Self::line()));
@@ -190,7 +190,7 @@ impl Person for Terminal {
     }
 
     fn reading(&mut self, what: &str) -> Result<f64, Error> {
-        haptic_io::say(format_args!("{what}:"));
+        cohold_io::say(format_args!("{what}:"));
         let line = Self::line()?;
         let number: Option<f64> = line.parse().ok();
         number.filter(|number| number.is_finite()).ok_or_else(|| format!("{line:?} is no number").into())
@@ -217,7 +217,7 @@ impl At {
             .as_ref()
             .ok_or("--key-file is missing: the operator's, that the board was provisioned with")?;
         if std::io::stdin().is_terminal() {
-            haptic_io::say("motors will move: keep the emergency stop at hand");
+            cohold_io::say("motors will move: keep the emergency stop at hand");
         }
         Ok((Box::new(Operator::connect(address, key_file)?), Box::<Terminal>::default()))
     }

@@ -1,4 +1,4 @@
-//! `host-sim board`: a PC beside a board.
+//! `cohold board`: a PC beside a board.
 
 mod bringup;
 mod calibrate;
@@ -8,7 +8,7 @@ mod update;
 use std::path::PathBuf;
 
 use clap::Args;
-use haptic_studies::record::record;
+use cohold_studies::record::record;
 use serde_json::json;
 
 use crate::flags::{Time, number};
@@ -52,8 +52,8 @@ impl Record {
         let scene = self.scene.load_of_one_axis(ui)?;
         let ticks = (self.time.seconds / scene.peer.timing.control_period_s).round() as u64;
         let recording = record(&scene, usize::from(self.number), ticks)?;
-        haptic_io::write(&self.file, &recording.bytes, haptic_io::Kind::Named)
-            .map_err(haptic_sim::Error::cannot("write", &self.file.display()))?;
+        cohold_io::write(&self.file, &recording.bytes, cohold_io::Kind::Named)
+            .map_err(cohold_sim::Error::cannot("write", &self.file.display()))?;
         writeln!(ui, "{} ticks {:016x}", recording.ticks, recording.hash);
         let hash = format!("{:016x}", recording.hash);
         ui.document(&json!({ "ticks": recording.ticks, "hash": hash, "files": [&self.file] }))

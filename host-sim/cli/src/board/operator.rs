@@ -1,24 +1,24 @@
-//! `host-sim board operator`: a scene for a board, lines of text and its answers, and what its ticks did.
+//! `cohold board operator`: a scene for a board, lines of text and its answers, and what its ticks did.
 
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::{io::BufRead, sync::mpsc::TryRecvError, time::Duration};
 
 use clap::Args;
-use haptic_board_tools::{
+use cohold_board_tools::{
     calibrate::board::{say, take},
     calibrate::settings_file,
     operator::{PORT, UNCONFIRMED},
     recording,
 };
-use haptic_core::settings::Settings;
-use haptic_io::Kind;
-use haptic_live::recording::mcap::INFO;
-use haptic_live::recording::origin::Origin;
-use haptic_live::recording::recorder::Recorder;
-use haptic_live::recording::ticks::{BoardTicks, board_channels, name_of};
-use haptic_live::{endpoint::Stop, operator::Operator};
-use haptic_report::files::write_csv;
+use cohold_core::settings::Settings;
+use cohold_io::Kind;
+use cohold_live::recording::mcap::INFO;
+use cohold_live::recording::origin::Origin;
+use cohold_live::recording::recorder::Recorder;
+use cohold_live::recording::ticks::{BoardTicks, board_channels, name_of};
+use cohold_live::{endpoint::Stop, operator::Operator};
+use cohold_report::files::write_csv;
 use serde_json::json;
 
 use crate::address::endpoint_at;
@@ -32,7 +32,7 @@ const LOOK: Duration = Duration::from_millis(20);
 #[command(mut_arg("scene", |arg| {
     arg.help("Scene file (TOML) or the name of a built-in scene: what it says of a board is given to the board first; the rest stays")
 }))]
-#[command(mut_arg("key_file", |arg| arg.help("The operator's key file that the board was provisioned with (`host-sim key generate --operator`)")))]
+#[command(mut_arg("key_file", |arg| arg.help("The operator's key file that the board was provisioned with (`cohold key generate --operator`)")))]
 #[command(mut_arg("seconds", |arg| arg.default_value("10").value_parser(number(0.1..=3600.0, "s"))))]
 pub(crate) struct Operate {
     /// The board's address; its port is 7702 unless another is given.

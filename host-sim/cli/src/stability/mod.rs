@@ -1,4 +1,4 @@
-//! `host-sim stability`: verdicts, limits and regions, from the code that flies.
+//! `cohold stability`: verdicts, limits and regions, from the code that flies.
 
 mod rendering;
 mod tune;
@@ -6,12 +6,12 @@ mod tune;
 use std::time::Instant;
 
 use clap::Args;
-use haptic_analysis::figure4::{self, Curve};
-use haptic_analysis::{Axis, Column, Effort, Hands, Mode, Range, Verdict, advice, judge, map, picture};
-use haptic_core::names::Choice;
-use haptic_core::num::Scalar;
-use haptic_report::Columns;
-use haptic_sim::scene::Scene;
+use cohold_analysis::figure4::{self, Curve};
+use cohold_analysis::{Axis, Column, Effort, Hands, Mode, Range, Verdict, advice, judge, map, picture};
+use cohold_core::names::Choice;
+use cohold_core::num::Scalar;
+use cohold_report::Columns;
+use cohold_sim::scene::Scene;
 use serde_json::json;
 
 use crate::flags::{Out, choice};
@@ -145,7 +145,7 @@ impl Limit {
         let (of, from, to) = (self.of.as_str(), self.from, self.to);
         let effort = Effort { hands: self.only.hands, ..Effort::default() };
         let start = Instant::now();
-        let limit = haptic_analysis::limit(&scene, Range { key: self.of.clone(), from, to }, effort)?;
+        let limit = cohold_analysis::limit(&scene, Range { key: self.of.clone(), from, to }, effort)?;
         let report = and(json!({ "of": of, "from": from, "to": to, "hands": self.only.hands }), &limit)?;
         let report = and(report, &json!({ "wall_s": start.elapsed().as_secs_f64() }))?;
         ui.document_of(&ui.provenance().settings(scene.settings()), &report)?;
@@ -217,8 +217,8 @@ impl Map {
             .head(x)
             .shown_in("", 1.0)
             .value("start", |column| match column.limit {
-                haptic_analysis::Limit { stable_at_start: true, .. } => "stable",
-                haptic_analysis::Limit { not_judged_because: Some(_), .. } => "not judged",
+                cohold_analysis::Limit { stable_at_start: true, .. } => "stable",
+                cohold_analysis::Limit { not_judged_because: Some(_), .. } => "not judged",
                 _ => "unstable",
             })
             .head("at the lowest")

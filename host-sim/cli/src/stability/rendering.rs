@@ -1,14 +1,14 @@
-//! `host-sim stability rendering`: the architectures paper's Figure 4, for any device.
+//! `cohold stability rendering`: the architectures paper's Figure 4, for any device.
 
 use std::time::Instant;
 
 use clap::Args;
-use haptic_analysis::rendering::identify::{STIFFNESS_N_PER_M, identify, needs};
-use haptic_analysis::rendering::maps::{self, Curve, POINTS, Sweep};
-use haptic_analysis::rendering::{Body, Rendering as Setup, picture};
-use haptic_core::names::Choice;
-use haptic_core::num::Scalar;
-use haptic_report::{Columns, significant};
+use cohold_analysis::rendering::identify::{STIFFNESS_N_PER_M, identify, needs};
+use cohold_analysis::rendering::maps::{self, Curve, POINTS, Sweep};
+use cohold_analysis::rendering::{Body, Rendering as Setup, picture};
+use cohold_core::names::Choice;
+use cohold_core::num::Scalar;
+use cohold_report::{Columns, significant};
 use serde_json::json;
 
 use crate::flags::Out;

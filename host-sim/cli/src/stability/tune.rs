@@ -1,8 +1,8 @@
-//! `host-sim stability tune`: gains for a scene, proved and tried out.
+//! `cohold stability tune`: gains for a scene, proved and tried out.
 
 use clap::Args;
-use haptic_analysis::tune::{self, BEYOND};
-use haptic_core::num::Scalar;
+use cohold_analysis::tune::{self, BEYOND};
+use cohold_core::num::Scalar;
 use serde_json::json;
 
 use crate::{Failure, SceneArgs, Ui};

@@ -1,4 +1,4 @@
-use haptic_sim::scenes;
+use cohold_sim::scenes;
 
 use super::*;
 
@@ -8,7 +8,7 @@ use super::*;
 fn a_verdict_is_about_the_device_that_is_there() {
     for name in ["any-network", "plane"] {
         let keys = ["contact.stiffness_n_per_m=1000".to_owned()];
-        let scene = scenes::find(haptic_sim::Laws::built_in(), Some(Path::new(name)), &keys).expect("a scene");
+        let scene = scenes::find(cohold_sim::Laws::built_in(), Some(Path::new(name)), &keys).expect("a scene");
         let find = judge(scene, 2, None, Ok(())).find;
         let at = |device_ticks| find(Measured { one_way_s: [0.002, 0.003], device_ticks });
         let [own, prompt, late, later] = [None, Some(1), Some(20), Some(21)].map(at);

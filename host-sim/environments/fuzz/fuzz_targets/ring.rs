@@ -1,6 +1,6 @@
 //! See `src/ring.rs`.
 #![no_main]
 
-use haptic_environments_fuzz::TARGETS;
+use cohold_environments_fuzz::TARGETS;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| (TARGETS[4].1)(bytes));

@@ -1,6 +1,6 @@
 //! See `src/roles.rs`.
 #![no_main]
 
-use haptic_environments_fuzz::TARGETS;
+use cohold_environments_fuzz::TARGETS;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| (TARGETS[2].1)(bytes));

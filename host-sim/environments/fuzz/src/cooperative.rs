@@ -2,10 +2,10 @@
 //! allowed and clients that crash. Never two engines; a version is moved by one of them only, and never after a later one;
 //! the object goes on from where it was announced to be; and in the end the server has the engine again in time.
 
-use haptic_environments::roles::Role;
-use haptic_environments::roles::collaborative::Lease;
-use haptic_environments::roles::cooperative::{Body, Client, Message, Notice, Server};
-use haptic_protocol::wire::PeerId;
+use cohold_environments::roles::Role;
+use cohold_environments::roles::collaborative::Lease;
+use cohold_environments::roles::cooperative::{Body, Client, Message, Notice, Server};
+use cohold_protocol::wire::PeerId;
 
 use super::net::{Clock, Net};
 use super::script::Script;

@@ -2,9 +2,9 @@
 //! held is always part of a world that was published; a download that says it is complete has exactly what is in scope; and
 //! in the end it is.
 
-use haptic_environments::records::{Body, Bounds, Database, Object, Region, Scope, Shape};
-use haptic_environments::roles::static_scene::{BURST, Download, Server};
-use haptic_protocol::wire::{Ask, Part, Payload};
+use cohold_environments::records::{Body, Bounds, Database, Object, Region, Scope, Shape};
+use cohold_environments::roles::static_scene::{BURST, Download, Server};
+use cohold_protocol::wire::{Ask, Part, Payload};
 
 use super::net::Net;
 use super::script::Script;

@@ -4,10 +4,10 @@
 
 use std::collections::HashMap;
 
-use haptic_environments::roles::collaborative::Lease;
-use haptic_environments::roles::collaborative::lock::{Client, Message, Notice, Phase, Server, wait_bound_us};
-use haptic_environments::roles::{Outbox, Role};
-use haptic_protocol::wire::PeerId;
+use cohold_environments::roles::collaborative::Lease;
+use cohold_environments::roles::collaborative::lock::{Client, Message, Notice, Phase, Server, wait_bound_us};
+use cohold_environments::roles::{Outbox, Role};
+use cohold_protocol::wire::PeerId;
 
 use super::net::{Clock, Net};
 use super::script::Script;

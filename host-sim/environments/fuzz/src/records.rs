@@ -2,8 +2,8 @@
 //! encoding only, and nothing that is out of range.
 
 use blake2::digest::{KeyInit, Mac};
-use haptic_environments::records::{Object, Region, Shape};
-use haptic_protocol::key::{Key, Role};
+use cohold_environments::records::{Object, Region, Shape};
+use cohold_protocol::key::{Key, Role};
 
 /// The bytes as a record of `N` whose checksum is right, as FORMAT.md says.
 fn summed<const N: usize>(mut record: [u8; N]) -> [u8; N] {

@@ -4,10 +4,10 @@
 
 use std::collections::BTreeMap;
 
-use haptic_environments::roles::collaborative::Lease;
-use haptic_environments::roles::collaborative::ring::{Config, Message, Notice, Record, Ring, Roster, wait_bound_us};
-use haptic_environments::roles::{Outbox, Role};
-use haptic_protocol::wire::PeerId;
+use cohold_environments::roles::collaborative::Lease;
+use cohold_environments::roles::collaborative::ring::{Config, Message, Notice, Record, Ring, Roster, wait_bound_us};
+use cohold_environments::roles::{Outbox, Role};
+use cohold_protocol::wire::PeerId;
 
 use super::net::{Clock, Net};
 use super::script::Script;

@@ -1,9 +1,9 @@
 //! Any event from anybody at any time, to every role's machines: no panic, one encoding only, and no force that is no number.
 
-use haptic_environments::roles::collaborative::{Lease, lock, ring};
-use haptic_environments::roles::squash::{Ball, Court, Player, PlayerConfig, Racket, ServerConfig};
-use haptic_environments::roles::{Carried as _, Outbox, Role, cooperative, squash};
-use haptic_protocol::wire::{Event, PeerId};
+use cohold_environments::roles::collaborative::{Lease, lock, ring};
+use cohold_environments::roles::squash::{Ball, Court, Player, PlayerConfig, Racket, ServerConfig};
+use cohold_environments::roles::{Carried as _, Outbox, Role, cooperative, squash};
+use cohold_protocol::wire::{Event, PeerId};
 
 use super::script::Script;
 

@@ -3,11 +3,11 @@
 
 use std::collections::HashMap;
 
-use haptic_environments::roles::squash::{
+use cohold_environments::roles::squash::{
     Ball, Court, Message, Notice, PLAYERS, Phase, Player, PlayerConfig, Racket, Server, ServerConfig, Verdict,
 };
-use haptic_environments::roles::{Outbox, Role};
-use haptic_protocol::wire::PeerId;
+use cohold_environments::roles::{Outbox, Role};
+use cohold_protocol::wire::PeerId;
 
 use super::net::Net;
 use super::script::Script;

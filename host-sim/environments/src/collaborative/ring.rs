@@ -3,8 +3,8 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use haptic_protocol::wire::PeerId;
-use haptic_sim::rng::Rng;
+use cohold_protocol::wire::PeerId;
+use cohold_sim::rng::Rng;
 
 use super::history::History;
 use super::lease;

@@ -12,7 +12,7 @@ pub enum Scheme {
     Ring,
 }
 
-haptic_sim::choices! {
+cohold_sim::choices! {
     /// A mistake put in on purpose, outside of the code that is tried: the checker must find it.
     Mistake {
         "slow-clock" => SlowClock, "One peer's clock counts a quarter of the time: beyond what a lease allows.";

@@ -2,7 +2,7 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use haptic_sim::rng::Rng;
+use cohold_sim::rng::Rng;
 
 use super::history::History;
 use crate::roles::collaborative::{Approach, Value, Wish};

@@ -6,10 +6,10 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use haptic_protocol::wire::{Message, PeerId};
-use haptic_sim::engine::{Actor, Clock, Engine, EngineView, Out, Seat};
-use haptic_sim::network::rule::{Direction, Jitter, SeededRule};
-use haptic_sim::{network::link::Route, rng::Rng, scene::Network};
+use cohold_protocol::wire::{Message, PeerId};
+use cohold_sim::engine::{Actor, Clock, Engine, EngineView, Out, Seat};
+use cohold_sim::network::rule::{Direction, Jitter, SeededRule};
+use cohold_sim::{network::link::Route, rng::Rng, scene::Network};
 
 use super::trial::{Mistake, Scheme, Trial, Verdict};
 use super::{history::History, lock, ring, user::User};

@@ -7,11 +7,11 @@
 
 use core::cmp::Ordering;
 
-use haptic_core::contact::bounder::{Bound, Bounder};
-use haptic_core::safety::{Fault, Guard, Patience};
-use haptic_core::{contact::Contact, device::AXES, num::Motion, peer::Actuators, settings::Settings};
-use haptic_protocol::clock::Clock;
-use haptic_sim::{plant::Plant, scene::Scene};
+use cohold_core::contact::bounder::{Bound, Bounder};
+use cohold_core::safety::{Fault, Guard, Patience};
+use cohold_core::{contact::Contact, device::AXES, num::Motion, peer::Actuators, settings::Settings};
+use cohold_protocol::clock::Clock;
+use cohold_sim::{plant::Plant, scene::Scene};
 
 use super::bounder;
 

@@ -3,7 +3,7 @@
 //! m_O·ẍ + (b_O + Σβ_i)·ẋ = ΣF_i: the newest force of each user stands until the next comes. The drags β_i that the bounders
 //! ask for are taken implicitly, −Σβ·ẋ/(1 + Σβ·T/m_O), so that many users on a light object cannot overdo it.
 
-use haptic_core::{num::Motion, object::AnyIntegrator, settings::Settings};
+use cohold_core::{num::Motion, object::AnyIntegrator, settings::Settings};
 
 use super::MOST_USERS;
 

@@ -4,19 +4,19 @@
 //! axes in it. Behind the links the wave lines meet along each axis ([`Junction`]). So peers, boards too, need nothing new for it. Each
 //! control period: [`Hub::receive`] for every datagram that came, then [`Hub::tick`].
 //!
-//! **Lines.** Line n has its own key, made from the hub's (`host-sim key generate --line n --of`): a peer that is opened gives up
+//! **Lines.** Line n has its own key, made from the hub's (`cohold key generate --line n --of`): a peer that is opened gives up
 //! its own line and no other. The peer on an odd line is number 1 of the scene, on an even one number 2. Peers know nothing
 //! of lines: a greeting is for the line under whose key it is authentic, a sealed datagram for the one whose session it
 //! names. Addresses prove nothing; where a peer is answered is its line's path (`path.rs`).
 //!
 //! **Who begins.** Wave lines know no positions, so all copies must begin at once from where they meet: until every line has
-//! a session the hub sends no flow; host-sim's peers then do not arm, and boards are to be armed when the hub says that all
+//! a session the hub sends no flow; cohold's peers then do not arm, and boards are to be armed when the hub says that all
 //! are there. A line whose peer was refused is not waited for, nor anybody once [`Hub::begin_without_absent`] was said, as
 //! long as two are there. Then it goes on whoever falls silent; one that comes back, or late, finds the object where its own
 //! device is.
 //!
 //! **A refused line does not stop the others.** A peer that has other parameters, another key or number, or says what
-//! cannot be ([`haptic_core::law::bounds`]), is refused on its line, reported at both ends ([`Hub::news`]), and the others go on.
+//! cannot be ([`cohold_core::law::bounds`]), is refused on its line, reported at both ends ([`Hub::news`]), and the others go on.
 //! Whoever greets without a line's key is answered once a second at the most, with no more bytes, by a greeting from which its link
 //! gathers why.
 //!
@@ -25,18 +25,18 @@
 
 use std::fmt::Display;
 
-use haptic_live::node::{Line, TELEMETRY_S};
-use haptic_live::refused::{Refused, is_telling, wrong};
-use haptic_protocol::link::{Config, Error, Link};
-use haptic_protocol::parameters::Parameters;
-use haptic_protocol::peer::{flow_of, packets_of};
-use haptic_protocol::wire::{Flows, Goodbye, Greeting, Header, MAX_DATAGRAM, Message, PeerId, Telemetry};
-use haptic_protocol::{ends::Ends, key::Key};
-use haptic_sim::scene::Scene;
+use cohold_live::node::{Line, TELEMETRY_S};
+use cohold_live::refused::{Refused, is_telling, wrong};
+use cohold_protocol::link::{Config, Error, Link};
+use cohold_protocol::parameters::Parameters;
+use cohold_protocol::peer::{flow_of, packets_of};
+use cohold_protocol::wire::{Flows, Goodbye, Greeting, Header, MAX_DATAGRAM, Message, PeerId, Telemetry};
+use cohold_protocol::{ends::Ends, key::Key};
+use cohold_sim::scene::Scene;
 
 use super::MOST_USERS;
 use super::junction::{Junction, Port};
-use haptic_protocol::path::Path;
+use cohold_protocol::path::Path;
 
 /// Greetings that are looked at in a control period.
 const GREETINGS: u32 = 8;
@@ -123,7 +123,7 @@ impl<A: Copy + PartialEq + Display, const SHARED: usize> Hub<A, SHARED> {
         scene: &Scene,
         users: usize,
         key: &Key,
-        mut entropy: impl FnMut() -> Result<[u8; Key::LEN], haptic_sim::Error>,
+        mut entropy: impl FnMut() -> Result<[u8; Key::LEN], cohold_sim::Error>,
     ) -> Result<Self, crate::Error> {
         if !(2..=MOST_USERS).contains(&users) {
             return Err(
@@ -135,7 +135,7 @@ impl<A: Copy + PartialEq + Display, const SHARED: usize> Hub<A, SHARED> {
         if scene.law().scatters && !scene.peer.coordination.ledger {
             let allowed = "it must be true, for on a network that may lose a packet only waves that are paid for keep \
                            a hub passive";
-            return Err(haptic_sim::Error::not_allowed("coordination.ledger = false", allowed).into());
+            return Err(cohold_sim::Error::not_allowed("coordination.ledger = false", allowed).into());
         }
         let heralds = [bare(key.clone(), 1, entropy()?)?, bare(key.clone(), 2, entropy()?)?];
         let end = |at| {

@@ -1,16 +1,16 @@
 //! Where wave lines meet on a network that loses, jitters and falls silent: core's lossless node, and a port for each line.
 //!
 //! Once a packet period, and where lines have a time of their own once a control period, [`Junction::exchange`] takes what came
-//! out of every line, scatters it ([`haptic_core::law::node`]), and every port has what goes back.
+//! out of every line, scatters it ([`cohold_core::law::node`]), and every port has what goes back.
 //!
 //! **Paid for.** With `coordination.ledger` a port lets no more wave energy into the node than its peer is known to have put
-//! into the line ([`haptic_core::law::credit`], a packet period for a tick), and counts what it sends, so that the peer
+//! into the line ([`cohold_core::law::credit`], a packet period for a tick), and counts what it sends, so that the peer
 //! can do the same: then the junction is passive on any network. Without, waves are held as they are, and only a constant
 //! delay without loss is passive. A counter is only what a peer says: of it the junction books what it would ever give out,
-//! no more than [`haptic_core::law::credit::CAP_J`] in hand at a time along each axis, so that whatever one peer claims, the figures of
+//! no more than [`cohold_core::law::credit::CAP_J`] in hand at a time along each axis, so that whatever one peer claims, the figures of
 //! an axis are off by that at the most.
 //!
-//! **Silence.** A port fades with silence as a peer does ([`haptic_core::law::degradation`]). At share s it is matched to its
+//! **Silence.** A port fades with silence as a peer does ([`cohold_core::law::degradation`]). At share s it is matched to its
 //! line of impedance b and is a line of impedance s·b to the node: of the wave u that comes √s·u goes in, of what the node
 //! answers √s comes back, together s·(√(2b)·v − u); the rest ends in the port. So s = 1 is the line itself and s = 0 none,
 //! all is continuous between them, and no s makes energy: a line goes quiet, and comes back, without a jump for the others. Along each
@@ -26,13 +26,13 @@
 //!
 //! **Units**: √W, J, N, N·s/m, s. **Limit**: waves carry no positions: what a long silence takes apart stays apart.
 
+use cohold_core::law::Packet;
+use cohold_core::law::credit::Credit;
+use cohold_core::law::degradation::{Degradation, STEP_N};
+use cohold_core::settings::{Allowed, Refused, Value};
+use cohold_core::{law::node::Node, num::Motion};
+use cohold_sim::Scene;
 use copy::SharedCopy;
-use haptic_core::law::Packet;
-use haptic_core::law::credit::Credit;
-use haptic_core::law::degradation::{Degradation, STEP_N};
-use haptic_core::settings::{Allowed, Refused, Value};
-use haptic_core::{law::node::Node, num::Motion};
-use haptic_sim::Scene;
 
 use super::MOST_USERS;
 use crate::Error;

@@ -8,10 +8,10 @@
 //! **Order of the state**: position, velocity and motor force of every device; the object; its states on the way down, newest
 //! first; every client's pushes on the way up, newest first. Units: m, m/s, N.
 
-use haptic_analysis::{Analyser, Verdict};
-use haptic_analysis::{Lifted, Matrix, delays_ticks};
-use haptic_core::{contact::Contact, contact::bounder::Bound, device::AXES, num::Motion, peer::Actuators};
-use haptic_sim::{plant::Plant, scene::Scene};
+use cohold_analysis::{Analyser, Verdict};
+use cohold_analysis::{Lifted, Matrix, delays_ticks};
+use cohold_core::{contact::Contact, contact::bounder::Bound, device::AXES, num::Motion, peer::Actuators};
+use cohold_sim::{plant::Plant, scene::Scene};
 
 use super::engine::{DynamicsEngine, Pushed};
 use super::world::World;

@@ -2,21 +2,21 @@
 //!
 //! The paper (eq. 7): the latency of the haptic loop must not exceed 5 to 10 ms for stiff objects, 30 ms for soft ones; and
 //! (§2.3) 1000 N/m needs less than 5 ms. All of it is K = b/θ of the device that the second statement identifies
-//! (b = 5 N·s/m, [`haptic_analysis::rendering::identify`]): 1000, 500 and 167 N/m for 5, 10 and 30 ms. Two systems show it:
+//! (b = 5 N·s/m, [`cohold_analysis::rendering::identify`]): 1000, 500 and 167 N/m for 5, 10 and 30 ms. Two systems show it:
 //! contact at the server with an object that hardly moves, and contact at the clients with two users of `SHARED_KG`.
 //!
 //! **Simulated**: whole worlds ([`super::world`]) are struck once and watched, from half of the closed form upwards in steps
 //! of 15 % to the first stiffness that is not stable; bisection closes it in. **By eigenvalues**: every crossing of the
 //! sampled map of one device and one object with delay at the places of the paper's Fig. 3, pockets followed
-//! ([`haptic_analysis::rendering`]); it shares no code with the worlds. N equal users on one object are N − 1 modes in which
+//! ([`cohold_analysis::rendering`]); it shares no code with the worlds. N equal users on one object are N − 1 modes in which
 //! it rests and one in which all move alike, as one of them would on an Nth of the object.
 
 use rayon::prelude::*;
 use serde::Serialize;
 
-use haptic_analysis::rendering::closed::largest_stiffness;
-use haptic_analysis::rendering::maps::{first, stiffness_limit};
-use haptic_analysis::rendering::{Body, Renderer, Rendering};
+use cohold_analysis::rendering::closed::largest_stiffness;
+use cohold_analysis::rendering::maps::{first, stiffness_limit};
+use cohold_analysis::rendering::{Body, Renderer, Rendering};
 
 use super::world::World;
 use super::{Collision, Setup, bounder};
@@ -35,7 +35,7 @@ const STEP: f64 = 1.15;
 const TOLERANCE: f64 = 0.005;
 
 /// What two users share, kg. An undamped object bears no delay above m_o/b, m_o for each user, however soft the contact is
-/// ([`haptic_analysis::rendering::closed`]): with the default 0.3 kg that is 30 ms, and nothing would be left there.
+/// ([`cohold_analysis::rendering::closed`]): with the default 0.3 kg that is 30 ms, and nothing would be left there.
 const SHARED_KG: f64 = 0.35;
 
 /// Round trips looked at, ms, and what the paper calls the objects that they allow.
@@ -51,7 +51,7 @@ pub struct Stiffest {
     /// Where contact is computed.
     pub(crate) collision: Collision,
     pub(crate) users: usize,
-    /// b/delay, with what the object gives way ([`haptic_analysis::rendering::closed`]).
+    /// b/delay, with what the object gives way ([`cohold_analysis::rendering::closed`]).
     pub(crate) closed_form_n_per_m: f64,
     /// Stiffest that is stable in simulation; 0 where half of the closed form is not.
     pub simulated_n_per_m: f64,

@@ -8,7 +8,7 @@
 //!                     state: motion
 //! ```
 //!
-//! Every device is the software plant, every contact `haptic_core`'s, limits included, the object one of its integrators;
+//! Every device is the software plant, every contact `cohold_core`'s, limits included, the object one of its integrators;
 //! every packet goes through the scene's network, with its own fate; round trips are measured by the protocol's clock, and
 //! who has the engine is decided by the protocol's cooperative role. Time is in ticks: packets that arrive at tick n are
 //! taken in before the forces of tick n, forces that arrive at tick n act from n on.
@@ -24,8 +24,8 @@ pub mod run;
 pub mod waves;
 pub mod world;
 
-use haptic_core::{contact::bounder::Bounder, names::Choice};
-use haptic_sim::scene::Scene;
+use cohold_core::{contact::bounder::Bounder, names::Choice};
+use cohold_sim::scene::Scene;
 
 /// Largest number of users.
 pub const MOST_USERS: usize = 16;
@@ -109,6 +109,6 @@ impl Setup {
         let delay = format!("network.extra_delay_s={one_way_s}");
         let keys: Vec<String> =
             Self::BASE.iter().chain(&[delay.as_str()]).chain(keys).map(|key| (*key).to_owned()).collect();
-        Ok(Self::new(Scene::load(haptic_sim::Laws::built_in(), None, &keys)?))
+        Ok(Self::new(Scene::load(cohold_sim::Laws::built_in(), None, &keys)?))
     }
 }

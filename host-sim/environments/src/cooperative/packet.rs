@@ -3,8 +3,8 @@
 //! Each part is a datagram of its own: pushes and motions are flow, a hand-over message is an event that says itself again and
 //! is not acknowledged.
 
-use haptic_core::{contact::bounder::Bound, num::Motion};
-use haptic_protocol::wire::{Event, Moved, PeerId, Push, SEAL_LEN};
+use cohold_core::{contact::bounder::Bound, num::Motion};
+use cohold_protocol::wire::{Event, Moved, PeerId, Push, SEAL_LEN};
 
 use super::MOST_USERS;
 use crate::roles::Carried as _;

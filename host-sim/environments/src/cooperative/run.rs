@@ -4,9 +4,9 @@
 //! object as any client renders it and the object where it is moved. An environment is stable when no client stopped with a
 //! fault and no force grew from eighth to eighth of the run.
 
-use haptic_report::Columns;
-use haptic_sim::measure::{LastHalf, growth::Forces};
-use haptic_sim::quantities::Named;
+use cohold_report::Columns;
+use cohold_sim::measure::{LastHalf, growth::Forces};
+use cohold_sim::quantities::Named;
 use serde::Serialize;
 
 use super::client::Client;

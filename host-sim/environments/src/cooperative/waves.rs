@@ -5,12 +5,12 @@
 //! impedance the node joins the two lines: then this is the plain pair whose one-way delay is the way up and the way down.
 //! Constant delay without loss only, unless `coordination.ledger` pays for what is held, or the lines have a time of their own.
 
-use haptic_core::law::Packet;
-use haptic_core::{num::Motion, safety::Mode};
-use haptic_sim::engine::{Actor, Engine, Out, Seat};
-use haptic_sim::network::link::{Inbox, Numbered, Route};
-use haptic_sim::scene::{Network, Scene};
-use haptic_sim::{measure::LastHalf, network::rule::Direction, pair::Side, plant::Plant};
+use cohold_core::law::Packet;
+use cohold_core::{num::Motion, safety::Mode};
+use cohold_sim::engine::{Actor, Engine, Out, Seat};
+use cohold_sim::network::link::{Inbox, Numbered, Route};
+use cohold_sim::scene::{Network, Scene};
+use cohold_sim::{measure::LastHalf, network::rule::Direction, pair::Side, plant::Plant};
 use serde::Serialize;
 
 use super::{MOST_USERS, junction::Junction};

@@ -4,12 +4,12 @@
 //! the server takes in what came, whoever has the engine moves the object. So without delay a force acts in its own tick.
 //! While a client has the engine, the server passes pushes on to it and its states on to the others.
 
-use haptic_core::contact::bounder::Bounder;
-use haptic_core::{contact::Contact, num::Motion};
-use haptic_protocol::wire::{Moved, PeerId, Push};
-use haptic_sim::engine::{self, Actor, Clock, Out};
-use haptic_sim::network::link::{Inbox, Numbered, Route};
-use haptic_sim::network::rule::Direction;
+use cohold_core::contact::bounder::Bounder;
+use cohold_core::{contact::Contact, num::Motion};
+use cohold_protocol::wire::{Moved, PeerId, Push};
+use cohold_sim::engine::{self, Actor, Clock, Out};
+use cohold_sim::network::link::{Inbox, Numbered, Route};
+use cohold_sim::network::rule::Direction;
 
 use super::client::Client;
 use super::engine::{DynamicsEngine, Pushed};

@@ -1,15 +1,15 @@
 //! A hub ([`Hub`]) in real time, on an endpoint. What was heard in a packet period goes through the junction at its end, the newest
 //! of each line.
 
-use haptic_core::num::Motion;
-use haptic_live::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
-use haptic_live::key_file::entropy;
-use haptic_live::peer::{RemoteReport, notice_texts};
-use haptic_live::watch::{LiveOptions, LiveSummary};
-use haptic_protocol::key::Key;
-use haptic_sim::engine::{Actor, Out};
-use haptic_sim::run::AXIS_NAMES;
-use haptic_sim::{of_axes, scene::Scene};
+use cohold_core::num::Motion;
+use cohold_live::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
+use cohold_live::key_file::entropy;
+use cohold_live::peer::{RemoteReport, notice_texts};
+use cohold_live::watch::{LiveOptions, LiveSummary};
+use cohold_protocol::key::Key;
+use cohold_sim::engine::{Actor, Out};
+use cohold_sim::run::AXIS_NAMES;
+use cohold_sim::{of_axes, scene::Scene};
 use serde::Serialize;
 
 use super::hub_watch::HubWatch;
@@ -164,7 +164,7 @@ impl<const SHARED: usize> Live for HubActor<SHARED> {
         self.hub.waited(waited.as_micros() as u64);
     }
 
-    fn end(&mut self) -> Option<Result<(), haptic_live::Error>> {
+    fn end(&mut self) -> Option<Result<(), cohold_live::Error>> {
         self.hub.packets.filter(|packets| *packets >= self.packets).map(|_| Ok(()))
     }
 

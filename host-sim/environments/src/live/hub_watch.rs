@@ -5,14 +5,14 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Instant;
 
-use haptic_live::discrepancy::{Copies, Sum};
-use haptic_live::recording::common_clock::Watched;
-use haptic_live::recording::recorder::Recorder;
-use haptic_live::recording::ticks;
-use haptic_live::tell::{Second, Teller};
-use haptic_live::watch::{LiveOptions, LiveSummary};
-use haptic_protocol::link::Notice;
-use haptic_sim::scene::Scene;
+use cohold_live::discrepancy::{Copies, Sum};
+use cohold_live::recording::common_clock::Watched;
+use cohold_live::recording::recorder::Recorder;
+use cohold_live::recording::ticks;
+use cohold_live::tell::{Second, Teller};
+use cohold_live::watch::{LiveOptions, LiveSummary};
+use cohold_protocol::link::Notice;
+use cohold_sim::scene::Scene;
 
 use crate::Error;
 use crate::cooperative::hub::Hub;

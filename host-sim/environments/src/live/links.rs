@@ -6,12 +6,12 @@
 
 use std::{fmt, net::SocketAddr};
 
-use haptic_live::key_file::entropy;
-use haptic_protocol::link::{Config, Link};
-use haptic_protocol::parameters::{Parameters, Table};
-use haptic_protocol::wire::{self, Goodbye, PeerId};
-use haptic_protocol::{ends::Ends, key::Key};
-use haptic_sim::engine::Out;
+use cohold_live::key_file::entropy;
+use cohold_protocol::link::{Config, Link};
+use cohold_protocol::parameters::{Parameters, Table};
+use cohold_protocol::wire::{self, Goodbye, PeerId};
+use cohold_protocol::{ends::Ends, key::Key};
+use cohold_sim::engine::Out;
 use serde::Serialize;
 
 use crate::Error;

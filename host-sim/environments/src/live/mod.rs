@@ -1,4 +1,4 @@
-//! Ends of the shared environments in real time, each an actor on the one loop of [`haptic_live::endpoint`].
+//! Ends of the shared environments in real time, each an actor on the one loop of [`cohold_live::endpoint`].
 
 pub mod hub;
 mod hub_watch;

@@ -4,16 +4,16 @@
 //! handed to the system.
 //! `turnaround`: the same, and how long it may have waited in the socket's queue at the most. A queue is first in, first out,
 //! so a datagram came after the queue was last known to be empty; where it is known when its client sent it
-//! (`host-sim shared world crowd`), that is taken instead.
+//! (`cohold shared world crowd`), that is taken instead.
 //! Real-time priority is asked for and reported; the thread is not pinned (`taskset` does that).
 
 use std::net::SocketAddr;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use haptic_live::endpoint::{Endpoint, Live, Stop, Ticker};
-use haptic_live::quantiles::{Quantiles, Times};
-use haptic_sim::engine::{Actor, Out};
+use cohold_live::endpoint::{Endpoint, Live, Stop, Ticker};
+use cohold_live::quantiles::{Quantiles, Times};
+use cohold_sim::engine::{Actor, Out};
 use serde::Serialize;
 
 use crate::Error;
@@ -133,7 +133,7 @@ impl<F: Fn(u32) -> Option<u64>> Actor<SocketAddr> for Serving<'_, F> {
         self.host.tick_turn(now_ns / 1_000, self.turn, out);
         self.turn = (self.turn + 1) % Host::<SocketAddr>::TURNS;
         if let Some(news) = self.host.news(now_ns / 1_000) {
-            haptic_io::say(format_args!("refused: {news}"));
+            cohold_io::say(format_args!("refused: {news}"));
         }
         self.clients = self.clients.max(self.host.clients());
         let now_s = 1e-9 * now_ns as f64;

@@ -3,10 +3,10 @@
 
 use std::{net::SocketAddr, time::Duration};
 
-use haptic_live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
-use haptic_live::key_file::entropy;
-use haptic_protocol::{key::Key, wire::PeerId};
-use haptic_sim::engine::{Actor, Out};
+use cohold_live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
+use cohold_live::key_file::entropy;
+use cohold_protocol::{key::Key, wire::PeerId};
+use cohold_sim::engine::{Actor, Out};
 use serde::Serialize;
 
 use super::links::{Links, PeerContact};
@@ -151,7 +151,7 @@ pub fn run(key: &Key, options: &Options, stop: &Stop) -> Result<Report, Error> {
     let number = options.number;
     let own = *(options.addresses.get(usize::from(number))).ok_or_else(|| {
         let allowed = format!("with {count} addresses it must be 0 to {}", count - 1);
-        haptic_sim::Error::not_allowed(format!("number {number}"), allowed)
+        cohold_sim::Error::not_allowed(format!("number {number}"), allowed)
     })?;
     let seed = entropy()?.iter().take(8).fold(0, |seed, byte| seed << 8 | u64::from(*byte));
     let part = if number == SERVER.0 {

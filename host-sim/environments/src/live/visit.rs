@@ -5,12 +5,12 @@
 
 use std::{f64::consts::TAU, net::SocketAddr, time::Duration};
 
-use haptic_core::num::Motion;
-use haptic_live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
-use haptic_live::key_file::entropy;
-use haptic_live::refused::wrong;
-use haptic_protocol::key::Key;
-use haptic_sim::engine::{Actor, Out};
+use cohold_core::num::Motion;
+use cohold_live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
+use cohold_live::key_file::entropy;
+use cohold_live::refused::wrong;
+use cohold_protocol::key::Key;
+use cohold_sim::engine::{Actor, Out};
 use serde::Serialize;
 
 use crate::Error;

@@ -15,11 +15,11 @@ mod shape;
 
 use heapless::Vec;
 
-pub use haptic_protocol::wire::{MAX_OBJECTS, MAX_REGIONS, Manifest, Scope};
+pub use cohold_protocol::wire::{MAX_OBJECTS, MAX_REGIONS, Manifest, Scope};
 pub use record::{Object, RecordError, Region};
 pub use shape::{Block, Body, Bounds, Field, Refused, Shape, Strip, Wall};
 
-use haptic_protocol::{bytes, key::Key, wire::Error};
+use cohold_protocol::{bytes, key::Key, wire::Error};
 
 /// Whether an object with these bounds is in scope.
 pub fn in_scope(scope: Scope, bounds: &Bounds, regions: &[Region], margin_m: f32) -> bool {

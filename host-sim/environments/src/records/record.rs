@@ -2,9 +2,9 @@
 //!
 //! A checksum is the first 8 bytes of `D(0³², "record", bytes)` (`FORMAT.md`): it finds accidents, not enemies.
 
-use haptic_protocol::bytes::{Reader, Writer};
-use haptic_protocol::key::Key;
-use haptic_protocol::wire::{Error, Part};
+use cohold_protocol::bytes::{Reader, Writer};
+use cohold_protocol::key::Key;
+use cohold_protocol::wire::{Error, Part};
 
 use super::shape::{Bounds, Refused, Shape};
 

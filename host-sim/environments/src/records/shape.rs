@@ -7,7 +7,7 @@
 
 use core::fmt;
 
-use haptic_protocol::bytes::layout;
+use cohold_protocol::bytes::layout;
 
 /// What one number of a shape may be.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -27,20 +27,20 @@ macro_rules! messages {
 
         $($(const _: () = {
             let mut _end = if $objects == 0 { 1 } else { 4 };
-            $(_end = { assert!(_end <= $offset, "fields overlap"); $offset + <$ty as haptic_protocol::bytes::Field>::LEN };)+
+            $(_end = { assert!(_end <= $offset, "fields overlap"); $offset + <$ty as cohold_protocol::bytes::Field>::LEN };)+
             assert!(_end <= $len, "a field is beyond the end");
         };)?)+
 
         impl crate::roles::Carried for $Name {
             const CODE: u16 = $code;
 
-            fn event(&self, object: u16) -> Result<haptic_protocol::wire::Event, haptic_protocol::wire::Error> {
-                let mut bytes = [0; haptic_protocol::wire::Event::MAX_PAYLOAD];
-                let mut writer = haptic_protocol::bytes::Writer::new(&mut bytes, $message);
+            fn event(&self, object: u16) -> Result<cohold_protocol::wire::Event, cohold_protocol::wire::Error> {
+                let mut bytes = [0; cohold_protocol::wire::Event::MAX_PAYLOAD];
+                let mut writer = cohold_protocol::bytes::Writer::new(&mut bytes, $message);
                 match self {
                     $(Self::$Variant $({ $($field,)+ $($($flag,)+)? })? => {
                         writer.bytes(&[$kind]);
-                        $($(writer.put(&haptic_protocol::bytes::byte_of(&[$(haptic_protocol::bytes::Flag::is_set($flag)),+]));)?)?
+                        $($(writer.put(&cohold_protocol::bytes::byte_of(&[$(cohold_protocol::bytes::Flag::is_set($flag)),+]));)?)?
                         if $objects != 0 {
                             writer.zeros_to(2);
                             writer.put(&object);
@@ -50,17 +50,17 @@ macro_rules! messages {
                             writer.put($field);
                         )+)?
                         writer.zeros_to($len);
-                        $($($(haptic_protocol::bytes::Flag::write($flag, &mut writer);)+)?)?
+                        $($($(cohold_protocol::bytes::Flag::write($flag, &mut writer);)+)?)?
                     })+
                 }
                 let len = writer.end()?;
-                haptic_protocol::wire::Event::new($code, bytes.get(..len).unwrap_or(&[]))
+                cohold_protocol::wire::Event::new($code, bytes.get(..len).unwrap_or(&[]))
             }
 
-            fn parse(event: &haptic_protocol::wire::Event) -> Result<(u16, Self), haptic_protocol::wire::Error> {
+            fn parse(event: &cohold_protocol::wire::Event) -> Result<(u16, Self), cohold_protocol::wire::Error> {
                 let bytes = event.payload();
                 if event.code != $code {
-                    return Err(haptic_protocol::wire::Error::OutOfRange { message: $message, field: "code" });
+                    return Err(cohold_protocol::wire::Error::OutOfRange { message: $message, field: "code" });
                 }
                 let kind = bytes.first().copied().unwrap_or(0);
                 match kind {
@@ -70,14 +70,14 @@ macro_rules! messages {
                             let mut _bits = bytes.get(1).copied().unwrap_or(0);
                             $(
                                 let $flag = _bits & 1 == 1;
-                                let _len = if $flag { _len + <$flag_ty as haptic_protocol::bytes::Flag>::TAIL } else { _len };
+                                let _len = if $flag { _len + <$flag_ty as cohold_protocol::bytes::Flag>::TAIL } else { _len };
                                 _bits >>= 1;
                             )+
                             if _bits != 0 {
-                                return Err(haptic_protocol::wire::Error::Reserved($message));
+                                return Err(cohold_protocol::wire::Error::Reserved($message));
                             }
                         )?)?
-                        let mut reader = haptic_protocol::bytes::Reader::exact(bytes, $message, _len)?;
+                        let mut reader = cohold_protocol::bytes::Reader::exact(bytes, $message, _len)?;
                         reader.kind($kind)?;
                         $($($(let _ = $flag;)+ reader.get::<u8>()?;)?)?
                         let object = if $objects != 0 {
@@ -91,10 +91,10 @@ macro_rules! messages {
                             let $field: $ty = reader.get()?;
                         )+)?
                         reader.zeros_to($len)?;
-                        $($($(let $flag = <$flag_ty as haptic_protocol::bytes::Flag>::read($flag, &mut reader)?;)+)?)?
+                        $($($(let $flag = <$flag_ty as cohold_protocol::bytes::Flag>::read($flag, &mut reader)?;)+)?)?
                         Ok((object, Self::$Variant $({ $($field,)+ $($($flag,)+)? })?))
                     })+
-                    kind => Err(haptic_protocol::wire::Error::UnknownKind(kind)),
+                    kind => Err(cohold_protocol::wire::Error::UnknownKind(kind)),
                 }
             }
 

@@ -3,12 +3,12 @@
 //! A role is a state machine without I/O, like everything in this crate, and has the shape of [`Role`]: `receive` takes a message
 //! and who it is from, `poll` lets time pass, both put what is to be said into an [`Out`], `take_notice` says what has happened.
 //! Time is µs on the peer's own clock, which may start anywhere and must not go backwards. Messages have fixed little-endian
-//! layouts; those of at most 48 bytes travel as [`haptic_protocol::wire::Event`]s, whose `code` names the role ([`Carried`]); a decoder
+//! layouts; those of at most 48 bytes travel as [`cohold_protocol::wire::Event`]s, whose `code` names the role ([`Carried`]); a decoder
 //! takes any bytes and never panics.
 //! The static world is too large for events: it has message kinds of its own, and its client asks again for what did not come.
 //!
 //! **What a role needs from its carrier**: that a message is what its sender said and that the sender is who it seems to be.
-//! A sealed [`haptic_protocol::link::Link`] promises both. No role counts on a message to arrive, once, in order or soon: whatever
+//! A sealed [`cohold_protocol::link::Link`] promises both. No role counts on a message to arrive, once, in order or soon: whatever
 //! must arrive is said again until it is answered, and whatever could come twice or late carries a number that tells.
 //! So a session that breaks, and the events that are dropped with a peer that starts anew, cost time and nothing else.
 //! Reliable events make the common case quick; they are not what makes it safe.
@@ -19,7 +19,7 @@
 
 use heapless::Deque;
 
-use haptic_protocol::wire::{Error, Event, Message, PeerId, Sample};
+use cohold_protocol::wire::{Error, Event, Message, PeerId, Sample};
 
 pub mod collaborative;
 pub mod cooperative;
@@ -61,7 +61,7 @@ pub trait Role {
 
 /// A message of a role as a link carries it.
 pub trait Carried: Sized {
-    /// Event code of the role: what [`haptic_protocol::wire::Event::code`] says.
+    /// Event code of the role: what [`cohold_protocol::wire::Event::code`] says.
     const CODE: u16;
 
     /// The message about `object` as an event; a role that has one object only leaves the number out.
@@ -73,7 +73,7 @@ pub trait Carried: Sized {
     /// Whether the newest counts, and none has to arrive.
     fn is_flow(&self) -> bool;
 
-    /// The message about `object` as the wire has it: an event that is to arrive, for [`haptic_protocol::link::Link::push_event`], or a
+    /// The message about `object` as the wire has it: an event that is to arrive, for [`cohold_protocol::link::Link::push_event`], or a
     /// sample, which is sent once.
     fn carry(&self, object: u16) -> Result<Message, Error> {
         let event = self.event(object)?;

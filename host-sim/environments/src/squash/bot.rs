@@ -4,8 +4,8 @@
 //! In the court's own metres; a device's workspace is [`SCALE`] times as large. The hand is a mass that its arm pulls with a
 //! limited force and that the user-motion bounder damps; it is advanced by semi-implicit Euler at the control rate.
 
-use haptic_protocol::wire::PeerId;
-use haptic_sim::rng::Rng;
+use cohold_protocol::wire::PeerId;
+use cohold_sim::rng::Rng;
 
 use crate::roles::squash::{
     Ball, Court, Game, Message, MotionBounder, Notice, Player, PlayerConfig, Racket, Server, Strike,

@@ -1,6 +1,6 @@
 //! A game: what is to be played, and what was.
 
-use haptic_sim::scene::Network;
+use cohold_sim::scene::Network;
 
 use super::referee::Report;
 use crate::roles::squash::Ball;

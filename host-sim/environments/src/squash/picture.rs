@@ -1,6 +1,6 @@
 //! A game as figures: the court from above, and where everybody thinks that the ball is.
 
-use haptic_plot::{Dash, Figure, Panel, Series, ShareY};
+use cohold_plot::{Dash, Figure, Panel, Series, ShareY};
 
 use super::game::{Game, Moment, Options};
 use crate::roles::squash::Court;

@@ -4,10 +4,10 @@
 
 use std::collections::VecDeque;
 
-use haptic_protocol::wire::{self, PeerId};
-use haptic_sim::engine::{Actor, Clock, Engine, EngineView, Out, Seat};
-use haptic_sim::network::rule::{Direction, SeededRule};
-use haptic_sim::{network::link::Route, rng::Rng, scene::Network};
+use cohold_protocol::wire::{self, PeerId};
+use cohold_sim::engine::{Actor, Clock, Engine, EngineView, Out, Seat};
+use cohold_sim::network::rule::{Direction, SeededRule};
+use cohold_sim::{network::link::Route, rng::Rng, scene::Network};
 
 use super::bot::{Contestant, Participant, SCALE, TICK_S};
 use super::game::{Change, Game, Moment, Options};

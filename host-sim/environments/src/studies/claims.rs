@@ -2,16 +2,16 @@
 
 use crate::collaborative::{Scheme, Trial, campaign};
 use crate::cooperative::limits;
-use haptic_analysis::rendering::Rendering;
-use haptic_analysis::rendering::closed::largest_stiffness;
-use haptic_analysis::rendering::identify::{DELAY_S, NETWORK, PERIOD_S, STIFFNESS_N_PER_M, identify, wall};
-use haptic_analysis::rendering::maps::{at, largest};
-use haptic_report::significant;
-use haptic_studies::reproduce::{Claim, list, of, span};
+use cohold_analysis::rendering::Rendering;
+use cohold_analysis::rendering::closed::largest_stiffness;
+use cohold_analysis::rendering::identify::{DELAY_S, NETWORK, PERIOD_S, STIFFNESS_N_PER_M, identify, wall};
+use cohold_analysis::rendering::maps::{at, largest};
+use cohold_report::significant;
+use cohold_studies::reproduce::{Claim, list, of, span};
 
 use super::architectures::{Architecture, Row};
 use super::systems;
-use haptic_studies::Error;
+use cohold_studies::Error;
 
 /// Devices for which the paper's two statements are tried, kg.
 const MASSES_KG: [f64; 3] = [0.02, 0.1, 1.0];
@@ -91,7 +91,7 @@ fn stability_maps() -> Result<Vec<Claim>, Error> {
         Claim::not_testable(
             "§2.3, Fig. 4",
             "The measured stability maps",
-            "the same maps for any device: host-sim stability rendering".to_owned(),
+            "the same maps for any device: cohold stability rendering".to_owned(),
             "mass, damping and computing time of the device are not given",
         ),
     ])

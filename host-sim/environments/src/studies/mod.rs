@@ -4,9 +4,9 @@ pub mod architectures;
 mod claims;
 mod systems;
 
-use haptic_core::names::Choice as _;
-use haptic_studies::Error;
-use haptic_studies::reproduce::{Paper, Reproduced};
+use cohold_core::names::Choice as _;
+use cohold_studies::Error;
+use cohold_studies::reproduce::{Paper, Reproduced};
 
 use self::architectures::{Architecture, DELAYS_MS, columns, picture, rows};
 

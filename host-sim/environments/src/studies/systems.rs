@@ -6,17 +6,17 @@ use crate::roles::Role;
 use crate::roles::squash::{Ball, Court, Message, Player, PlayerConfig, RALLIES, Turn};
 use crate::roles::static_scene::{Download, Roam, Server};
 use crate::squash::{self, Cell, Options, Report};
-use haptic_analysis::rendering::identify::{NETWORK, identify, wall};
-use haptic_analysis::rendering::maps::{at, largest};
-use haptic_core::contact::impact::{Body, advance};
-use haptic_core::num::Motion;
-use haptic_protocol::wire::PeerId;
-use haptic_sim::rng::Rng;
-use haptic_sim::scene::Network;
-use haptic_studies::reproduce::{Claim, list, span};
+use cohold_analysis::rendering::identify::{NETWORK, identify, wall};
+use cohold_analysis::rendering::maps::{at, largest};
+use cohold_core::contact::impact::{Body, advance};
+use cohold_core::num::Motion;
+use cohold_protocol::wire::PeerId;
+use cohold_sim::rng::Rng;
+use cohold_sim::scene::Network;
+use cohold_studies::reproduce::{Claim, list, span};
 
 use super::architectures::{Architecture, Row};
-use haptic_studies::Error;
+use cohold_studies::Error;
 
 /// Random collisions.
 const COLLISIONS: usize = 10_000;

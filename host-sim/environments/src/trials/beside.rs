@@ -12,11 +12,11 @@ use std::net::SocketAddr;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use haptic_live::endpoint::{Endpoint, Live, Stop, Ticker};
-use haptic_live::quantiles::Quantiles;
-use haptic_protocol::cipher::Cipher;
-use haptic_protocol::key::Key;
-use haptic_sim::engine::{Actor, Out};
+use cohold_live::endpoint::{Endpoint, Live, Stop, Ticker};
+use cohold_live::quantiles::Quantiles;
+use cohold_protocol::cipher::Cipher;
+use cohold_protocol::key::Key;
+use cohold_sim::engine::{Actor, Out};
 use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, Nonce, UnboundKey};
 use serde::Serialize;
 

@@ -15,11 +15,11 @@ use std::net::SocketAddr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use haptic_live::endpoint::{Endpoint, Stop};
-use haptic_live::key_file::entropy;
-use haptic_live::quantiles::{Quantiles, Times};
-use haptic_protocol::wire::{Message, Presence, Sighting};
-use haptic_protocol::{key::Key, link::Link};
+use cohold_live::endpoint::{Endpoint, Stop};
+use cohold_live::key_file::entropy;
+use cohold_live::quantiles::{Quantiles, Times};
+use cohold_protocol::wire::{Message, Presence, Sighting};
+use cohold_protocol::{key::Key, link::Link};
 use serde::Serialize;
 
 use super::beside::{self, Echo};

@@ -1,15 +1,15 @@
 //! A load: very many clients on one socket, each of which says something once in a packet period.
 //!
 //! Their packets are spread evenly over the period. All that are due go in one system call, and what came is taken in as few
-//! ([`haptic_live::batch`]). A load that is late by more than a quarter of a packet period does not catch up in a burst that no
+//! ([`cohold_live::batch`]). A load that is late by more than a quarter of a packet period does not catch up in a burst that no
 //! independent clients would make; it goes on from there.
 
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use haptic_live::batch::{MOST, OutgoingBatch, ReceivedBatch};
-use haptic_live::endpoint::{Endpoint, Stop, realtime};
-use haptic_live::quantiles::{Quantiles, Times};
+use cohold_live::batch::{MOST, OutgoingBatch, ReceivedBatch};
+use cohold_live::endpoint::{Endpoint, Stop, realtime};
+use cohold_live::quantiles::{Quantiles, Times};
 
 use crate::Error;
 use crate::live::serve::Computed;

@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, fmt::Display, path::Path};
 
-use haptic_io::Most;
+use cohold_io::Most;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -19,7 +19,7 @@ const MOST: Most = Most::new(1 << 24, "a world");
 /// The file cannot be read, or the first thing that is wrong in it.
 pub fn load(path: &Path) -> Result<Box<World>, Error> {
     let place = path.display().to_string();
-    let text = haptic_io::text(path, MOST).map_err(haptic_sim::Error::cannot("read", &place))?;
+    let text = cohold_io::text(path, MOST).map_err(cohold_sim::Error::cannot("read", &place))?;
     parse(&text, &place)
 }
 
@@ -63,7 +63,7 @@ struct Source<'a> {
 impl Source<'_> {
     fn wrong(&self, at: usize, message: impl Display) -> Error {
         let line = self.text[..at.min(self.text.len())].matches('\n').count() + 1;
-        haptic_sim::Error::at(format_args!("{}:{line}", self.place), message.to_string()).into()
+        cohold_sim::Error::at(format_args!("{}:{line}", self.place), message.to_string()).into()
     }
 
     /// The number that `key` has in `table`, or its default; what is wrong names `what` it is a key of.

@@ -1,6 +1,6 @@
 //! Host: a server of a static world, without a socket. A datagram comes in, the answers go out before it returns.
 //!
-//! Every client has a line with its own key (`haptic_protocol::key::Key::line`). A greeting names its line, a sealed datagram
+//! Every client has a line with its own key (`cohold_protocol::key::Key::line`). A greeting names its line, a sealed datagram
 //! its session; addresses prove nothing, and where a client is answered is its line's path (`path.rs`). A link is kept when
 //! a line is first called under its key, so memory grows with the clients that there are, up to the lines that were allowed; for
 //! whoever holds no key nothing is allocated. Whoever greets so is answered once a second at the most, with no more bytes, by
@@ -12,14 +12,14 @@
 use std::collections::HashMap;
 use std::fmt::Display;
 
-use haptic_live::refused::{Refused, is_telling, wrong};
-use haptic_protocol::link::{Error, Link};
-use haptic_protocol::wire::{Goodbye, Greeting, MAX_DATAGRAM, Message, PeerId};
-use haptic_protocol::{ends::Ends, key::Key};
+use cohold_live::refused::{Refused, is_telling, wrong};
+use cohold_protocol::link::{Error, Link};
+use cohold_protocol::wire::{Goodbye, Greeting, MAX_DATAGRAM, Message, PeerId};
+use cohold_protocol::{ends::Ends, key::Key};
 
 use super::{CLIENT, OBJECTS, World, line_of, open_link};
 use crate::roles::static_scene::{Board, Server};
-use haptic_protocol::path::Path;
+use cohold_protocol::path::Path;
 
 /// Most clients of one server.
 pub const MOST_LINES: u32 = Key::MOST_LINES;
@@ -77,7 +77,7 @@ impl<A: Copy + PartialEq> Host<A> {
     ) -> Result<Self, crate::Error> {
         if !(1..=MOST_LINES).contains(&lines) {
             let allowed = format!("it must be from 1 to {MOST_LINES}");
-            return Err(haptic_sim::Error::not_allowed(format!("lines = {lines}"), allowed).into());
+            return Err(cohold_sim::Error::not_allowed(format!("lines = {lines}"), allowed).into());
         }
         Ok(Self {
             key,

@@ -20,7 +20,7 @@
 //! [`host`] is a server that holds one, [`visitor`] a client of one or several servers, both without sockets and clocks, so that the
 //! same lines run in simulated time and over UDP.
 //!
-//! Every key but `id` has a default; `host-sim shared world show --keys` lists them. What is wrong is one error that names file and line, object,
+//! Every key but `id` has a default; `cohold shared world show --keys` lists them. What is wrong is one error that names file and line, object,
 //! key, value and what is allowed.
 
 mod file;

@@ -1,9 +1,9 @@
 //! What every world has: how much it holds, its periods, the links over which it is sent.
 
-use haptic_protocol::link::{Config, Error, Link};
-use haptic_protocol::parameters::{Parameters, Table};
-use haptic_protocol::wire::{Greeting, Header, PeerId};
-use haptic_protocol::{ends::Ends, key::Key};
+use cohold_protocol::link::{Config, Error, Link};
+use cohold_protocol::parameters::{Parameters, Table};
+use cohold_protocol::wire::{Greeting, Header, PeerId};
+use cohold_protocol::{ends::Ends, key::Key};
 
 use crate::{records::Scope, roles::static_scene::Download};
 

@@ -1,6 +1,6 @@
 //! A stroke as a figure: the forces around the outline, and their size along the way.
 
-use haptic_plot::{Figure, Panel, Series};
+use cohold_plot::{Figure, Panel, Series};
 
 use super::stroke::Stroke;
 

@@ -1,21 +1,21 @@
 //! Local rendering: the force that a hand feels from what it knows of a world, 1000 times a second.
 //!
-//! The force of every contact is `haptic_core`'s: walls and blocks are polygons and bodies discs of
-//! [`haptic_core::contact::shape`], which push the hand out of the nearest side; a strip pushes to its free side. A strip is a
-//! chain of masses that moves while it is touched and afterwards, advanced by `haptic_core`'s integrator; every client has its
+//! The force of every contact is `cohold_core`'s: walls and blocks are polygons and bodies discs of
+//! [`cohold_core::contact::shape`], which push the hand out of the nearest side; a strip pushes to its free side. A strip is a
+//! chain of masses that moves while it is touched and afterwards, advanced by `cohold_core`'s integrator; every client has its
 //! own, for in a static world nobody feels anybody else.
 //!
 //! **What is touched does not change under the hand.** A download, a new version or another server may bring, change or
 //! take away objects at any time. An object that appears around the hand is felt once the hand has left it; one that is
 //! touched is changed or taken away when the hand has left it. So no download makes a step in the force.
 //!
-//! **Limits**: those of [`haptic_core::contact::shape`]; a strip that is approached from behind is not felt. Units SI; two
+//! **Limits**: those of [`cohold_core::contact::shape`]; a strip that is approached from behind is not felt. Units SI; two
 //! dimensions. Reference: architectures paper §2.2, complex shapes as springs and dampers along the normal.
 
 use std::collections::BTreeMap;
 
-use haptic_core::object::{Before, Integrator};
-use haptic_core::{
+use cohold_core::object::{Before, Integrator};
+use cohold_core::{
     contact::Contact, contact::shape::Pressed, model::Model as _, num::Motion, object::euler::SemiImplicit,
     settings::Settings,
 };

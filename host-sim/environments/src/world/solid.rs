@@ -1,8 +1,8 @@
 //! Objects of a world as core's shapes: what a hand presses on, and how stiff it is; vectors in the plane.
 
-use haptic_core::contact::shape::{self, Edge};
-use haptic_core::contact::{Contact, Side};
-use haptic_core::settings::Settings;
+use cohold_core::contact::shape::{self, Edge};
+use cohold_core::contact::{Contact, Side};
+use cohold_core::settings::Settings;
 
 use crate::records::{Block, Shape, Strip, Wall};
 

@@ -1,7 +1,7 @@
 //! A hand that strokes along the outline of an object and pushes it about: what it feels, and where its work goes.
 //!
 //! The object is a solid of a world that translates by m·ẍ + b·ẋ = F along both axes (architectures paper §2.2), the force
-//! that of [`haptic_core::contact::shape`], both bodies moved by core's semi-implicit integrator. The person holds the hand by a
+//! that of [`cohold_core::contact::shape`], both bodies moved by core's semi-implicit integrator. The person holds the hand by a
 //! spring and a damper (an arm) at a point that goes, at constant speed relative to the object, from outside to a line at
 //! [`Options::below_m`] under the surface, once around along that line, and out again. So on a side the hand is as deep as
 //! the arm's spring k and the contact's K share that way: d = b/(1 + K/k), with b the way of the arm under the surface.
@@ -14,10 +14,10 @@
 //! Losses are summed with the velocities in the middle of each tick; what remains is of first order in the period.
 //! Units: SI.
 
-use haptic_core::object::{Before, Integrator};
-use haptic_core::{model::Model as _, num::Motion, object::euler::SemiImplicit, settings::Settings};
-use haptic_report::Columns;
-use haptic_sim::quantities::Named;
+use cohold_core::object::{Before, Integrator};
+use cohold_core::{model::Model as _, num::Motion, object::euler::SemiImplicit, settings::Settings};
+use cohold_report::Columns;
+use cohold_sim::quantities::Named;
 use serde::Serialize;
 
 use super::solid::{Vector, block_corners, contact, dot, gains, minus, solid, wall_corners};

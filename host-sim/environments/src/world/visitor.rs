@@ -5,11 +5,11 @@
 
 use std::collections::BTreeMap;
 
-use haptic_core::num::Motion;
-use haptic_live::refused::is_telling;
-use haptic_protocol::key::Key;
-use haptic_protocol::link::{Error, Link};
-use haptic_protocol::wire::{Goodbye, Message, Presence, Sighting};
+use cohold_core::num::Motion;
+use cohold_live::refused::is_telling;
+use cohold_protocol::key::Key;
+use cohold_protocol::link::{Error, Link};
+use cohold_protocol::wire::{Goodbye, Message, Presence, Sighting};
 
 use super::render::Renderer;
 use super::{CLIENT, OBJECTS, PACKET_US, look_around, open_link};

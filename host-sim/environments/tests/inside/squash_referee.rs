@@ -1,6 +1,6 @@
 //! Tests of `src/squash/referee.rs` from inside.
 
-use haptic_protocol::wire::PeerId;
+use cohold_protocol::wire::PeerId;
 
 use super::*;
 

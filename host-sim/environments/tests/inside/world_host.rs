@@ -1,6 +1,6 @@
 //! Tests of `src/world/host.rs` from inside.
 
-use haptic_protocol::wire::Header;
+use cohold_protocol::wire::Header;
 
 use super::*;
 use crate::world::PACKET_US;

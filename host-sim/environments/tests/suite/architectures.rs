@@ -4,10 +4,10 @@
 //! linear hand lags behind its reach is, as an integral over time, the distance times b/k: the damping of the device over the
 //! stiffness of its arm (the derivative of its transfer function at 0), and a minimum-jerk reach is half-way for half of its time.
 
-use haptic_core::names::Choice;
-use haptic_environments::studies::architectures::hand::REST_S;
-use haptic_environments::studies::architectures::together::unbounded_radius;
-use haptic_environments::studies::architectures::{Architecture, DELAYS_MS, Row, TASK, rows};
+use cohold_core::names::Choice;
+use cohold_environments::studies::architectures::hand::REST_S;
+use cohold_environments::studies::architectures::together::unbounded_radius;
+use cohold_environments::studies::architectures::{Architecture, DELAYS_MS, Row, TASK, rows};
 
 /// Damping of the device, N·s/m, and stiffness of the contact, N/m: the scene's defaults.
 const DAMPING: f64 = 1.0;
@@ -78,7 +78,7 @@ fn in_a_row(one: f64, two: f64) -> f64 {
 fn bodies_rest_where_the_springs_balance() {
     use Architecture::*;
     let row = |architecture, delay_ms| {
-        haptic_environments::studies::architectures::row(architecture, delay_ms).expect("a run")
+        cohold_environments::studies::architectures::row(architecture, delay_ms).expect("a run")
     };
     let arm = TASK.arm_stiffness_n_per_m;
     let own = arm.map(|arm| in_a_row(arm, CONTACT));
@@ -93,7 +93,7 @@ fn bodies_rest_where_the_springs_balance() {
             let [one, two] = row(law, delay_ms).rests_mm;
             near(own[0] * (1e3 * TASK.goals_m[0] - one), own[1] * (two - 1e3 * TASK.goals_m[1]), 6.0);
         }
-        // K' = m·b/θ (`haptic_core::contact::bounder`), at this packet period θ = 15 ms and the round trip in whole packets.
+        // K' = m·b/θ (`cohold_core::contact::bounder`), at this packet period θ = 15 ms and the round trip in whole packets.
         let soft = |trips: f64| 0.8 * DAMPING / (0.015 + 0.008 * trips);
         let packets = (0.5 * delay_ms / 8.0_f64).ceil();
         let server = row(CooperativeServer, delay_ms);
@@ -121,7 +121,7 @@ fn to_go(distance_m: f64, reach_s: f64, user: usize) -> f64 {
 fn mean_discrepancies_are_those_of_the_way_and_the_time() {
     use Architecture::*;
     let row = |architecture, delay_ms| {
-        haptic_environments::studies::architectures::row(architecture, delay_ms).expect("a run")
+        cohold_environments::studies::architectures::row(architecture, delay_ms).expect("a run")
     };
     let [first, second] = TASK.goals_m;
     let apart = 1e3 * (first - second) * TASK.duration_s;
@@ -144,7 +144,7 @@ fn mean_discrepancies_are_those_of_the_way_and_the_time() {
 #[test]
 fn a_lock_costs_three_delays() {
     let placed = |delay_ms| {
-        haptic_environments::studies::architectures::row(Architecture::CollaborativeLock, delay_ms)
+        cohold_environments::studies::architectures::row(Architecture::CollaborativeLock, delay_ms)
             .expect("a run")
             .placed_s
     };
@@ -159,7 +159,7 @@ fn a_lock_costs_three_delays() {
 #[test]
 fn the_engine_without_bounder_needs_the_papers_200_hz() {
     for (delay_ms, radius) in [(0.0, 1.042_147), (10.0, 1.248_479), (20.0, 1.234_453), (200.0, 1.082_598)] {
-        let row = haptic_environments::studies::architectures::row(Architecture::CooperativeServerUnbounded, delay_ms)
+        let row = cohold_environments::studies::architectures::row(Architecture::CooperativeServerUnbounded, delay_ms)
             .expect("a run");
         assert!(!row.stable);
         near(row.spectral_radius, radius, 2e-6);
@@ -172,7 +172,7 @@ fn the_engine_without_bounder_needs_the_papers_200_hz() {
 /// Bytes against the layouts: 125 packets a second of flow (40), push (32) and state (48), 48 around each.
 #[test]
 fn bytes_are_those_of_the_wire() {
-    let row = |architecture| haptic_environments::studies::architectures::row(architecture, 20.0).expect("a run");
+    let row = |architecture| cohold_environments::studies::architectures::row(architecture, 20.0).expect("a run");
     near(row(Architecture::DistributedPower).user_bytes_per_s, 125.0 * 88.0, 1.0);
     let cooperative = row(Architecture::CooperativeServer);
     near(cooperative.user_bytes_per_s, 125.0 * 80.0, 1.0);

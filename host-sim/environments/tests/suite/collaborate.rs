@@ -1,7 +1,7 @@
 //! Lock and token ring against loss, reorder, duplication, late messages, crashes and partitions; and against mistakes that
-//! the checker must find. `host-sim shared collaborate` runs the same, 10,000 times and more.
+//! the checker must find. `cohold shared collaborate` runs the same, 10,000 times and more.
 
-use haptic_environments::collaborative::{Mistake, Scheme, Trial, Verdict, campaign};
+use cohold_environments::collaborative::{Mistake, Scheme, Trial, Verdict, campaign};
 
 fn run(scheme: Scheme, users: u8, runs: u64, mistake: Option<Mistake>) -> Verdict {
     campaign(&Trial { scheme, users, seed: 1, mistake }, runs, &|| ())

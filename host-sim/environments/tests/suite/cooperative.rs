@@ -1,15 +1,15 @@
 //! The cooperative environment: the paper's limits without the bounder, none up to 200 ms with it, the engine that moves, and
 //! N wave peers around a node.
 
-use haptic_analysis::rendering::{Body, Renderer, Rendering};
-use haptic_core::contact::bounder::Bounder;
-use haptic_environments::cooperative::limits::{bounded_radius, stiffest, table};
-use haptic_environments::cooperative::run::run;
-use haptic_environments::cooperative::waves::Waves;
-use haptic_environments::cooperative::world::World;
-use haptic_environments::cooperative::{Collision, Engine, Setup};
-use haptic_sim::pair::Pair;
-use haptic_sim::scene::Scene;
+use cohold_analysis::rendering::{Body, Renderer, Rendering};
+use cohold_core::contact::bounder::Bounder;
+use cohold_environments::cooperative::limits::{bounded_radius, stiffest, table};
+use cohold_environments::cooperative::run::run;
+use cohold_environments::cooperative::waves::Waves;
+use cohold_environments::cooperative::world::World;
+use cohold_environments::cooperative::{Collision, Engine, Setup};
+use cohold_sim::pair::Pair;
+use cohold_sim::scene::Scene;
 use rayon::prelude::*;
 
 /// The cooperation paper's §5 forces: a push of each, taps of one and a sine of the other.
@@ -188,7 +188,7 @@ fn at_a_client_the_engine_is_without_delay() {
 fn waves(keys: &[&str]) -> Scene {
     let base = ["coordination.comm=passive-mean", "coordination.decode=implicit", "object.force_delay_ticks=0"];
     let keys: Vec<String> = [&base[..], &FORCES, keys].concat().into_iter().map(str::to_owned).collect();
-    Scene::load(haptic_sim::Laws::built_in(), None, &keys).expect("a good scene")
+    Scene::load(cohold_sim::Laws::built_in(), None, &keys).expect("a good scene")
 }
 
 /// Two lines of equal impedance that meet in a node are one line: up one packet, down one packet is two packets.

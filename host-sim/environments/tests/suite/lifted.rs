@@ -1,11 +1,11 @@
 //! The lifted matrix of a cooperative environment against the sampled map, and against the world that it is the matrix of.
 
-use haptic_analysis::rendering::{Renderer, Rendering};
-use haptic_core::contact::bounder::{Bound, Bounder};
-use haptic_environments::cooperative::lifted::{Line, lines, verdict};
-use haptic_environments::cooperative::limits::rendering;
-use haptic_environments::cooperative::world::World;
-use haptic_environments::cooperative::{Engine, Setup};
+use cohold_analysis::rendering::{Renderer, Rendering};
+use cohold_core::contact::bounder::{Bound, Bounder};
+use cohold_environments::cooperative::lifted::{Line, lines, verdict};
+use cohold_environments::cooperative::limits::rendering;
+use cohold_environments::cooperative::world::World;
+use cohold_environments::cooperative::{Engine, Setup};
 
 fn setup(one_way_s: f64, keys: &[&str]) -> Setup {
     let keys = [keys, &["safety.max_force_n=200", "safety.max_slew_n_per_s=1000000"]].concat();

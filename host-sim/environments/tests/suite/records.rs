@@ -1,9 +1,9 @@
 //! The scene database: records byte by byte, what is refused, and which checksum notices what.
 
-use haptic_environments::records::{
+use cohold_environments::records::{
     Block, Body, Bounds, Database, Full, MAX_REGIONS, Object, RecordError, Region, Scope, Shape, Strip, Wall, in_scope,
 };
-use haptic_protocol::wire;
+use cohold_protocol::wire;
 use proptest::prelude::*;
 
 fn objects() -> impl Strategy<Value = Object> {

@@ -1,9 +1,9 @@
 //! Squash over every round trip that the issue names: the ball never leaves the court, all agree on every rally's score;
-//! without the bounder the failure is shown. `host-sim shared squash --sweep` prints the table.
+//! without the bounder the failure is shown. `cohold shared squash --sweep` prints the table.
 
-use haptic_environments::squash::{Change, MOTION, Options, ROUND_TRIPS_MS, Report, play};
-use haptic_sim::network::rule::Jitter;
-use haptic_sim::scene::Network;
+use cohold_environments::squash::{Change, MOTION, Options, ROUND_TRIPS_MS, Report, play};
+use cohold_sim::network::rule::Jitter;
+use cohold_sim::scene::Network;
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 

@@ -1,9 +1,9 @@
 //! Known answers of a world: its checksum, made by a second implementation (`protocol/tests/inside/vectors.py`), and its parts as
-//! the messages that carry them. haptic-protocol's own tests seal the same messages to what that implementation sealed.
+//! the messages that carry them. cohold-protocol's own tests seal the same messages to what that implementation sealed.
 
-use haptic_environments::records::{Bounds, Database, Object, Region, Scope, Shape, Wall};
-use haptic_environments::roles::static_scene::Server;
-use haptic_protocol::wire::{Ask, Bits, MAX_DATAGRAM, Message, Topic};
+use cohold_environments::records::{Bounds, Database, Object, Region, Scope, Shape, Wall};
+use cohold_environments::roles::static_scene::Server;
+use cohold_protocol::wire::{Ask, Bits, MAX_DATAGRAM, Message, Topic};
 
 const WORLD: u64 = u64::from_be_bytes([0x98, 0xbb, 0x64, 0xcc, 0xfb, 0x8d, 0x33, 0x13]).swap_bytes();
 const PARTS: &str = include_str!("../../../../protocol/tests/data/world-parts.txt");

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use moteus_protocol::CanFdFrame;
 
-use haptic_live::Error;
+use cohold_live::Error;
 
 /// A bus.
 pub(super) trait Bus: Send {

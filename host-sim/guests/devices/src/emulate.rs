@@ -1,21 +1,21 @@
-//! `host-sim devices emulate`: a device that is not there, to attach in the place of one, with a hand on it that does what the scene's
-//! user does. What it speaks, and what can go wrong with it, is [`haptic_emulators`]'s.
+//! `cohold devices emulate`: a device that is not there, to attach in the place of one, with a hand on it that does what the scene's
+//! user does. What it speaks, and what can go wrong with it, is [`cohold_emulators`]'s.
 
 use std::net::SocketAddr;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use haptic_emulators::hand::{Grip, Hand, Task};
-use haptic_emulators::{Emulated, Seen, inverse3};
+use cohold_emulators::hand::{Grip, Hand, Task};
+use cohold_emulators::{Emulated, Seen, inverse3};
 #[cfg(unix)]
-use haptic_emulators::{carrier::Place, mit, moteus};
-use haptic_live::endpoint::{Stop, realtime_beneath};
-use haptic_sim::scene::Scene;
-use haptic_sim::user::User;
+use cohold_emulators::{carrier::Place, mit, moteus};
+use cohold_live::endpoint::{Stop, realtime_beneath};
+use cohold_sim::scene::Scene;
+use cohold_sim::user::User;
 use serde::Serialize;
 
-use haptic_cli::flags::number;
-use haptic_cli::{Failure, SceneArgs, Ui};
+use cohold_cli::flags::number;
+use cohold_cli::{Failure, SceneArgs, Ui};
 
 /// The hand of a user of whom the scene says nothing: it holds on; and what moves with an Inverse3.
 const HOLDS_ON: [(&str, f64); 3] =
@@ -25,7 +25,7 @@ const SAYS: Duration = Duration::from_secs(1);
 /// How often it looks whether something is due.
 const LOOKS: Duration = Duration::from_millis(2);
 
-haptic_cli::commands! {
+cohold_cli::commands! {
     /// Below `devices`.
     pub Emulation {
         /// A device that is not there, to attach in the place of one: its protocol on the real transport, a hand on it, and faults to plant.
@@ -46,7 +46,7 @@ enum Kind {
 }
 
 /// A device that is not there, with a hand on it that does what the scene's user does (`user.N.…`: pushes, sines, traces, an arm that reaches and
-/// trembles; `clutch_…` presses button a), until Ctrl-C. Prints the words by which `host-sim` attaches it.
+/// trembles; `clutch_…` presses button a), until Ctrl-C. Prints the words by which `cohold` attaches it.
 #[derive(Debug, Args)]
 #[command(mut_arg("scene", |scene| scene.default_value("any-network")))]
 pub struct Emulate {
@@ -240,7 +240,7 @@ impl Emulate {
             }
             #[cfg(unix)]
             Kind::Mit => {
-                let own = std::env::temp_dir().join(format!("haptic-mit-{}.can", std::process::id()));
+                let own = std::env::temp_dir().join(format!("cohold-mit-{}.can", std::process::id()));
                 let place = self.bus(Place::Socket(own));
                 let timeout_s = self.lets_go_s.unwrap_or(mit::TIMEOUT_AFTER_S);
                 let served = mit::start(&place, self.hand(scene)?, timeout_s);

@@ -6,7 +6,7 @@
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
-use haptic_live::devices::Found;
+use cohold_live::devices::Found;
 
 use super::{haply, moteus};
 

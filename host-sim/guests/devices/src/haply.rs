@@ -16,15 +16,15 @@ use std::io::ErrorKind;
 use std::net::{SocketAddr, TcpStream};
 use std::time::{Duration, Instant};
 
-use haptic_sim::device::Gone;
+use cohold_sim::device::Gone;
 use serde_json::{Value, json};
 use tungstenite::{Error as Broken, Message, WebSocket, client};
 
-use haptic_cli::address::endpoint;
-use haptic_core::settings::Settings;
-use haptic_live::Error;
-use haptic_live::devices::threaded::{Acts, Desk, Line, Threaded, stopped};
-use haptic_live::devices::{AXES, Abilities, DeviceOptions, Port, Sensed};
+use cohold_cli::address::endpoint;
+use cohold_core::settings::Settings;
+use cohold_live::Error;
+use cohold_live::devices::threaded::{Acts, Desk, Line, Threaded, stopped};
+use cohold_live::devices::{AXES, Abilities, DeviceOptions, Port, Sensed};
 
 /// Where the service listens unless it is told otherwise.
 pub(super) const LISTENS: &str = "127.0.0.1:10001";
@@ -107,7 +107,7 @@ pub(super) fn open(at: &str, options: &DeviceOptions, _: &Settings) -> Result<Bo
     })?;
     let id = device["device_id"].as_str().unwrap_or_default().to_owned();
     let hello = json!({
-        "session": { "configure": { "profile": { "name": "networked-haptics", "required_version": ">=3.5" } } },
+        "session": { "configure": { "profile": { "name": "cohold", "required_version": ">=3.5" } } },
         "inverse3": [{ "device_id": id, "configure": { "preset": { "preset": PRESET } },
             "commands": { "set_cursor_force": { "vector": { "x": 0.0, "y": 0.0, "z": 0.0 } } } }]
     });

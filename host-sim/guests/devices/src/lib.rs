@@ -16,7 +16,7 @@ mod mit;
 mod moteus;
 mod motors;
 
-use haptic_live::devices::Adapter;
+use cohold_live::devices::Adapter;
 
 pub use emulate::Emulation;
 

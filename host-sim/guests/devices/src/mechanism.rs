@@ -1,15 +1,15 @@
 //! From turning motors to the hand, and from forces on it to their torques: the scene's `kinematics`, by the very code of a board
-//! ([`haptic_core::device::kinematics`]), in f64.
+//! ([`cohold_core::device::kinematics`]), in f64.
 //!
 //! Angles are rad from the pose that the scene calls home, positions m from where the hand is then. A force F on the hand takes the torques
 //! Jᵀ·F; where they are more than a motor may give, all of them become smaller together, so that the force keeps its direction.
 
-use haptic_core::device::kinematics::{AnyKinematics, AnySpatial, KinematicsName};
-use haptic_core::num::Motion;
-use haptic_core::settings::Settings;
+use cohold_core::device::kinematics::{AnyKinematics, AnySpatial, KinematicsName};
+use cohold_core::num::Motion;
+use cohold_core::settings::Settings;
 
-use haptic_live::Error;
-use haptic_live::devices::AXES;
+use cohold_live::Error;
+use cohold_live::devices::AXES;
 
 /// A scene's mechanism.
 pub(super) enum Mechanism {
@@ -43,11 +43,11 @@ impl Mechanism {
             KinematicsName::FiveBar => 2,
             KinematicsName::Arm => 3,
         };
-        haptic_sim::refuse_if!(
+        cohold_sim::refuse_if!(
             motors != needed,
             "{motors} motors are named, and this scene's mechanism (kinematics.model) has {needed}"
         );
-        let refused = |cause: haptic_core::settings::Refused<'_>| Error::from(cause.to_string());
+        let refused = |cause: cohold_core::settings::Refused<'_>| Error::from(cause.to_string());
         Ok(match model {
             KinematicsName::Arm => Self::Space(AnySpatial::build(settings).map_err(refused)?),
             _ => Self::Plane(AnyKinematics::build(settings).map_err(refused)?),

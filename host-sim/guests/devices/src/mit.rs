@@ -11,12 +11,12 @@
 
 use std::time::{Duration, Instant};
 
-use haptic_core::settings::Settings;
-use haptic_sim::device::{DeviceFault, Gone};
+use cohold_core::settings::Settings;
+use cohold_sim::device::{DeviceFault, Gone};
 use moteus_protocol::CanFdFrame;
 
-use haptic_live::Error;
-use haptic_live::devices::{DeviceOptions, Port};
+use cohold_live::Error;
+use cohold_live::devices::{DeviceOptions, Port};
 
 use super::can::{self, Bus};
 use super::motors::{self, Protocol, Ready, Told};
@@ -231,7 +231,7 @@ fn checked(bus: &mut dyn Bus, model: &Model, ids: &[u8]) -> Result<Option<f64>, 
     for id in ids {
         for (which, wanted) in ENDS.iter().zip(model.ends) {
             let end = f32::from_le_bytes(register(bus, *id, *which)?.ok_or_else(|| motors::silent(*id))?);
-            haptic_sim::refuse_if!(
+            cohold_sim::refuse_if!(
                 (f64::from(end) / wanted - 1.0).abs() > 1e-3,
                 "motor {id} is no {}, or set up differently: its register {which} is {end}, and has to be {wanted}",
                 model.name

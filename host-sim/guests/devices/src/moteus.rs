@@ -12,15 +12,15 @@
 use std::f64::consts::TAU;
 use std::time::{Duration, Instant};
 
-use haptic_core::settings::Settings;
-use haptic_sim::device::{DeviceFault, Gone};
+use cohold_core::settings::Settings;
+use cohold_sim::device::{DeviceFault, Gone};
 use moteus_protocol::command::{PositionCommand, PositionFormat, StopCommand};
 use moteus_protocol::diagnostic::{parse_server_to_client, write_client_poll, write_client_to_server};
 use moteus_protocol::query::{QueryFormat, QueryResult};
 use moteus_protocol::{CanFdFrame, HomeState, Mode, Resolution, calculate_arbitration_id, parse_arbitration_id};
 
-use haptic_live::Error;
-use haptic_live::devices::{DeviceOptions, Port};
+use cohold_live::Error;
+use cohold_live::devices::{DeviceOptions, Port};
 
 use super::can::{self, Bus};
 use super::motors::{self, Protocol, Ready, Told};

@@ -9,13 +9,13 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-use haptic_core::settings::Settings;
-use haptic_sim::device::{DeviceFault, Gone};
+use cohold_core::settings::Settings;
+use cohold_sim::device::{DeviceFault, Gone};
 use moteus_protocol::CanFdFrame;
 
-use haptic_live::Error;
-use haptic_live::devices::threaded::{Acts, Desk, Line, Threaded, stopped};
-use haptic_live::devices::{AXES, Abilities, DeviceOptions, Health, Port, Sensed};
+use cohold_live::Error;
+use cohold_live::devices::threaded::{Acts, Desk, Line, Threaded, stopped};
+use cohold_live::devices::{AXES, Abilities, DeviceOptions, Health, Port, Sensed};
 
 use super::can::{self, Bus};
 use super::mechanism::{Mechanism, Pose};

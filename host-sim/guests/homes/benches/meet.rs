@@ -13,15 +13,15 @@ use std::net::{SocketAddr, UdpSocket};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use haptic_homes::frame::Welcome;
-use haptic_homes::meet::Meet;
-use haptic_homes::place::Place;
-use haptic_homes::seat::Seat;
-use haptic_live::Error;
-use haptic_live::endpoint::{Endpoint, Live, Stop, Ticker};
-use haptic_protocol::key::Key;
-use haptic_protocol::wire::VERSION;
-use haptic_sim::engine::{Actor, Out};
+use cohold_homes::frame::Welcome;
+use cohold_homes::meet::Meet;
+use cohold_homes::place::Place;
+use cohold_homes::seat::Seat;
+use cohold_live::Error;
+use cohold_live::endpoint::{Endpoint, Live, Stop, Ticker};
+use cohold_protocol::key::Key;
+use cohold_protocol::wire::VERSION;
+use cohold_sim::engine::{Actor, Out};
 use rustix::time::{ClockId, clock_gettime};
 
 const SESSIONS: usize = 256;

@@ -21,7 +21,7 @@
 
 use std::time::{Duration, Instant};
 
-use haptic_protocol::key::Key;
+use cohold_protocol::key::Key;
 use subtle::ConstantTimeEq;
 use x25519_dalek::x25519;
 

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-pub use haptic_live::allowance::Allowance;
+pub use cohold_live::allowance::Allowance;
 
 /// Bytes each second: 2,000 flows of 88 bytes, and what the carriers say.
 pub const RATE: f64 = 200_000.0;

@@ -7,17 +7,17 @@ use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
 use crate::bridge::{Bridge, Counts};
-use haptic_live::road::{PathReport, Roads as _};
-use haptic_protocol::key::Key;
-use haptic_sim::engine::{Actor, Out};
+use cohold_live::road::{PathReport, Roads as _};
+use cohold_protocol::key::Key;
+use cohold_sim::engine::{Actor, Out};
 use serde::Serialize;
 
 use crate::carried::{Meeting, canonical};
-use haptic_live::Error;
-use haptic_live::batch::ReceivedBatch;
-use haptic_live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
-use haptic_live::path_watch::PathWatch;
-use haptic_live::tell::{Manner, Teller};
+use cohold_live::Error;
+use cohold_live::batch::ReceivedBatch;
+use cohold_live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
+use cohold_live::path_watch::PathWatch;
+use cohold_live::tell::{Manner, Teller};
 
 /// Port of a board's flow, at both ends.
 pub const PORT: u16 = 7701;

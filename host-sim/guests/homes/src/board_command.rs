@@ -1,17 +1,17 @@
-//! `host-sim board bridge`: a board far away, reached through the PC beside it.
+//! `cohold board bridge`: a board far away, reached through the PC beside it.
 
 use std::net::{Ipv4Addr, SocketAddr};
 
 use clap::Args;
-use haptic_cli::address::{endpoint, endpoint_at};
-use haptic_cli::flags::{KeyFile, Telling, live_seconds};
-use haptic_cli::{Failure, Ui};
-use haptic_live::endpoint::Stop;
+use cohold_cli::address::{endpoint, endpoint_at};
+use cohold_cli::flags::{KeyFile, Telling, live_seconds};
+use cohold_cli::{Failure, Ui};
+use cohold_live::endpoint::Stop;
 
 use crate::beside::{Ends, Open, PORT};
 use crate::command::Shown;
 
-haptic_cli::commands! {
+cohold_cli::commands! {
     /// Below `board`.
     pub BoardCommands {
         /// Reach a partner far away for a board: this PC stands beside it and carries its sealed datagrams to a meeting, unopened.
@@ -32,7 +32,7 @@ pub struct Bridging {
     number: u8,
     #[command(flatten)]
     key: KeyFile,
-    /// The meeting place (`host-sim meet`): relays at first, until a direct path is found.
+    /// The meeting place (`cohold meet`): relays at first, until a direct path is found.
     #[arg(long, value_name = "HOST:PORT")]
     meet: String,
     /// Where the board sends to: this PC is its partner (`network.peer`).

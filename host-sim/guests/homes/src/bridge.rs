@@ -9,7 +9,7 @@
 use std::net::SocketAddr;
 use std::time::Instant;
 
-use haptic_protocol::wire::MAX_DATAGRAM;
+use cohold_protocol::wire::MAX_DATAGRAM;
 use serde::Serialize;
 
 use crate::allowance::{Allowance, BURST, passes};

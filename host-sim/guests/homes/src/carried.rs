@@ -9,13 +9,13 @@ use std::time::{Duration, Instant};
 
 use crate::carrier::{Carrier, Config};
 use crate::mapping::{Mapping, PORT};
-use haptic_protocol::key::Key;
+use cohold_protocol::key::Key;
 
-use haptic_live::addresses::any_towards;
-use haptic_live::batch::ReceivedBatch;
-use haptic_live::endpoint::Endpoint;
-use haptic_live::road::{Change, PathReport, Road, Roads};
-use haptic_live::{Error, key_file::entropy};
+use cohold_live::addresses::any_towards;
+use cohold_live::batch::ReceivedBatch;
+use cohold_live::endpoint::Endpoint;
+use cohold_live::road::{Change, PathReport, Road, Roads};
+use cohold_live::{Error, key_file::entropy};
 
 /// The carrier is given its time no more often.
 const EVERY: Duration = Duration::from_micros(400);
@@ -154,7 +154,7 @@ fn open(meeting: &Meeting, listen: Option<SocketAddr>) -> std::io::Result<UdpSoc
 impl Carried {
     /// Under this socket; side 0 is peer 1, 1 is peer 2.
     fn new(socket: &UdpSocket, meeting: &Meeting, key: Key, side: u8) -> Result<Self, Error> {
-        let own = socket.local_addr().map_err(haptic_sim::Error::cannot("ask", &"a socket"))?;
+        let own = socket.local_addr().map_err(cohold_sim::Error::cannot("ask", &"a socket"))?;
         let place = canonical(meeting.place);
         let mapped = own.ip().is_unspecified() && own.is_ipv6();
         let towards = |family: SocketAddr| if family.is_ipv4() == place.is_ipv4() { place } else { family };
@@ -239,7 +239,7 @@ impl Roads for Meeting {
     }
 
     fn open(&self, listen: Option<SocketAddr>, key: Key, side: u8) -> Result<Endpoint, Error> {
-        let failed = haptic_sim::Error::cannot::<std::io::Error>("listen on", &listen.unwrap_or(self.place));
+        let failed = cohold_sim::Error::cannot::<std::io::Error>("listen on", &listen.unwrap_or(self.place));
         let socket = open(self, listen).map_err(failed)?;
         let road = Carried::new(&socket, self, key, side)?;
         Endpoint::on_road(socket, Arc::new(road))

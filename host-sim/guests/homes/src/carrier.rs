@@ -16,8 +16,8 @@ use std::hash::{BuildHasher, RandomState};
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
-use haptic_live::road::{Change, PathReport, Way};
-use haptic_protocol::key::Key;
+use cohold_live::road::{Change, PathReport, Way};
+use cohold_protocol::key::Key;
 
 use crate::Send;
 use crate::frame::Frame;

@@ -1,4 +1,4 @@
-//! `host-sim meet`, and the flags by which a peer or a page meets the other one there instead of calling an address.
+//! `cohold meet`, and the flags by which a peer or a page meets the other one there instead of calling an address.
 
 use std::io::stdin;
 use std::net::SocketAddr;
@@ -7,21 +7,21 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args;
-use haptic_cli::address::endpoint;
-use haptic_cli::flags::seconds;
-use haptic_cli::qr::Code;
-use haptic_cli::road::{Meets, Met};
-use haptic_cli::{Failure, Ui};
-use haptic_live::endpoint::Stop;
-use haptic_live::key_file;
-use haptic_protocol::key::{Key, Role};
+use cohold_cli::address::endpoint;
+use cohold_cli::flags::seconds;
+use cohold_cli::qr::Code;
+use cohold_cli::road::{Meets, Met};
+use cohold_cli::{Failure, Ui};
+use cohold_live::endpoint::Stop;
+use cohold_live::key_file;
+use cohold_protocol::key::{Key, Role};
 
 use crate::agreement::{Inviter, LIFE};
 use crate::carried::{Meeting, resolve};
 use crate::invite::Invite;
 use crate::{invitation, meet};
 
-haptic_cli::commands! {
+cohold_cli::commands! {
     /// Beside the heart's.
     pub MeetCommands {
         /// A meeting place for two homes: rendezvous, STUN and a blind relay for sealed datagrams, on one UDP port.
@@ -53,7 +53,7 @@ pub fn declare(command: clap::Command) -> clap::Command {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Meeting")]
 pub struct MeetingFlags {
-    /// A meeting place (`host-sim meet`): relays at first, until a direct path is found. With --key-file at both ends, or with --invite.
+    /// A meeting place (`cohold meet`): relays at first, until a direct path is found. With --key-file at both ends, or with --invite.
     #[arg(long, value_name = "HOST:PORT")]
     meet: Option<String>,
     /// Print a link and its QR code, and be peer 1 to whoever uses it: one use, ten minutes. Then compare six digits aloud.
@@ -128,8 +128,8 @@ impl Meets for MeetingFlags {
                 ui.status(format_args!(
                     "send this link to whom you invite; it serves once, within {minutes} minutes:\n{link}"
                 ));
-                haptic_io::draw(Code::of(&link)?.lines());
-                let key = invitation::invite(inviter, stop, |words| haptic_io::say(format_args!("warning: {words}")))?;
+                cohold_io::draw(Code::of(&link)?.lines());
+                let key = invitation::invite(inviter, stop, |words| cohold_io::say(format_args!("warning: {words}")))?;
                 ui.status("somebody has come with the link, and a key is agreed on");
                 (1, key, meeting)
             }

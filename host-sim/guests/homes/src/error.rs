@@ -17,7 +17,7 @@ pub enum Error {
     Over,
 }
 
-impl From<Error> for haptic_live::Error {
+impl From<Error> for cohold_live::Error {
     fn from(error: Error) -> Self {
         Self::Refused(error.to_string())
     }

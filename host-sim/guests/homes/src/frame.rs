@@ -13,8 +13,8 @@
 
 use std::net::{Ipv6Addr, SocketAddr};
 
-use haptic_protocol::key::Key;
-use haptic_protocol::wire::VERSION;
+use cohold_protocol::key::Key;
+use cohold_protocol::wire::VERSION;
 use x25519_dalek::{X25519_BASEPOINT_BYTES, x25519};
 
 const JOIN: u8 = 0xF1;

@@ -12,13 +12,13 @@ use crate::agreement::{Accepter, Heard, Inviter, LIFE, code};
 use crate::frame::Frame;
 use crate::invite::Invite;
 use crate::seat::Seat;
-use haptic_protocol::key::Key;
+use cohold_protocol::key::Key;
 
 use crate::carried::resolve;
-use haptic_live::addresses::any_towards;
-use haptic_live::endpoint::Stop;
-use haptic_live::refused::Refused;
-use haptic_live::{Error, key_file::entropy};
+use cohold_live::addresses::any_towards;
+use cohold_live::endpoint::Stop;
+use cohold_live::refused::Refused;
+use cohold_live::{Error, key_file::entropy};
 
 /// Longest wait for a datagram, before the clock is looked at.
 const LOOK: Duration = Duration::from_millis(10);
@@ -45,7 +45,7 @@ struct Room {
 impl Room {
     fn enter(invite: &Invite, side: u8) -> Result<Self, Error> {
         let place = resolve(&invite.meet)?;
-        let cannot = haptic_sim::Error::cannot::<std::io::Error>("reach the meeting place", &invite.meet);
+        let cannot = cohold_sim::Error::cannot::<std::io::Error>("reach the meeting place", &invite.meet);
         let socket = UdpSocket::bind(any_towards(place)).map_err(&cannot)?;
         // A connected socket takes from there alone.
         socket.connect(place).and_then(|()| socket.set_read_timeout(Some(LOOK))).map_err(&cannot)?;
@@ -74,7 +74,7 @@ impl Room {
     /// Fails where it is known after a moment that nobody can be met.
     fn check(&self) -> Result<(), Error> {
         let place = self.place;
-        haptic_sim::refuse_if!(
+        cohold_sim::refuse_if!(
             self.began.elapsed() > Duration::from_secs(3) && self.seat.refused,
             "the meeting place {place} has no seat: it is full, or too many have come from here"
         );
@@ -89,7 +89,7 @@ impl Room {
 pub fn invite(mut inviter: Inviter, stop: &Stop, say: impl Fn(&str) + Send + 'static) -> Result<Key, Error> {
     let mut room = Room::enter(&inviter.invite, 0)?;
     let key = loop {
-        haptic_sim::refuse_if!(stop.is_asked(), "nobody has come with the link yet");
+        cohold_sim::refuse_if!(stop.is_asked(), "nobody has come with the link yet");
         if inviter.is_over(Instant::now()) {
             return Err(crate::Error::Over.into());
         }
@@ -160,14 +160,14 @@ pub fn accept(invite: &Invite, stop: &Stop) -> Result<Key, Error> {
 /// The person says that the other end shows another code.
 pub fn compare(key: &Key) -> Result<String, Error> {
     let code = code(key);
-    haptic_io::say(format_args!("code of this meeting: {code}"));
-    haptic_io::say(
+    cohold_io::say(format_args!("code of this meeting: {code}"));
+    cohold_io::say(
         "compare it aloud with the other person before anybody holds a device: both ends must show these digits",
     );
     if stdin().is_terminal() {
-        haptic_io::say("press Enter if they are the same; if not, type no");
+        cohold_io::say("press Enter if they are the same; if not, type no");
         let said = stdin().lines().next().and_then(Result::ok);
-        haptic_sim::refuse_if!(
+        cohold_sim::refuse_if!(
             said.is_none_or(|said| !said.trim().is_empty()),
             "the codes differ, so somebody may be between you: make a new link and send it another way"
         );

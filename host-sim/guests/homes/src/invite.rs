@@ -7,7 +7,7 @@
 
 use std::fmt;
 
-use haptic_protocol::key::Key;
+use cohold_protocol::key::Key;
 use zeroize::Zeroize;
 
 use crate::Error;

@@ -8,7 +8,7 @@
 //! Above a carrier is the link of this end, or a [`bridge`] to a board whose link is its own.
 //!
 //! [`carried`], [`meet`], [`invitation`] and [`beside`] have the sockets, the rest opens none and reads no clock: bytes and `now` in, bytes and their
-//! addresses out. The sealed datagrams of [`haptic_protocol`] pass through as they are; whoever carries them cannot read them. [`MeetCommands`],
+//! addresses out. The sealed datagrams of [`cohold_protocol`] pass through as they are; whoever carries them cannot read them. [`MeetCommands`],
 //! [`BoardCommands`] and [`MeetingFlags`] are the commands and flags.
 #![forbid(unsafe_code)]
 
@@ -35,9 +35,9 @@ mod signal;
 pub mod stun;
 
 pub use board_command::BoardCommands;
+pub use cohold_live::road::{PathFigures, Way};
 pub use command::{MEETING, MeetCommands, MeetingFlags, declare};
 pub use error::Error;
-pub use haptic_live::road::{PathFigures, Way};
 
 /// Takes a datagram, and where it goes.
 pub type Send<'a> = dyn FnMut(std::net::SocketAddr, &[u8]) + 'a;

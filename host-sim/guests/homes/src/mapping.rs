@@ -14,7 +14,7 @@
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, SocketAddrV4};
 use std::time::{Duration, Instant};
 
-use haptic_protocol::key::Key;
+use cohold_protocol::key::Key;
 
 use crate::frame::Bytes;
 

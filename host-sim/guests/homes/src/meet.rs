@@ -4,13 +4,13 @@ use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
 use crate::place::{Counts, Place};
-use haptic_protocol::key::Key;
-use haptic_sim::engine::{Actor, Out};
+use cohold_protocol::key::Key;
+use cohold_sim::engine::{Actor, Out};
 use serde::Serialize;
 
 use crate::carried::{canonical, written};
-use haptic_live::endpoint::{Endpoint, Live, Stop, Ticker};
-use haptic_live::{Error, key_file::entropy};
+use cohold_live::endpoint::{Endpoint, Live, Stop, Ticker};
+use cohold_live::{Error, key_file::entropy};
 
 /// Between two looks at whether it is to end.
 const PERIOD: Duration = Duration::from_millis(100);

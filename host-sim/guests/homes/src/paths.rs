@@ -6,7 +6,7 @@
 
 use std::time::{Duration, Instant};
 
-use haptic_live::road::PathFigures;
+use cohold_live::road::PathFigures;
 use hdrhistogram::Histogram;
 
 /// Nothing came directly for so long, and the relay is used as well.

@@ -17,7 +17,7 @@ use std::collections::HashMap;
 use std::net::{IpAddr, SocketAddr};
 use std::time::{Duration, Instant};
 
-use haptic_protocol::key::Key;
+use cohold_protocol::key::Key;
 use serde::Serialize;
 use subtle::ConstantTimeEq;
 

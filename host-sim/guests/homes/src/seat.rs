@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
-use haptic_protocol::key::Key;
+use cohold_protocol::key::Key;
 
 use crate::frame::{Join, Welcome, name, pair, proof};
 

@@ -6,8 +6,8 @@
 
 use std::net::SocketAddr;
 
-use haptic_protocol::cipher::Cipher;
-use haptic_protocol::key::{Key, NONCE_LEN, TAG_LEN};
+use cohold_protocol::cipher::Cipher;
+use cohold_protocol::key::{Key, NONCE_LEN, TAG_LEN};
 
 use crate::frame::{ADDRESS, Bytes, SIGNAL, address_bytes, address_of};
 

@@ -1,15 +1,15 @@
-//! The laws of other papers ([`haptic_laws`]) beside those of core: [`laws`] are what scenes may name, and [`prove`] proves that forces stay
+//! The laws of other papers ([`cohold_laws`]) beside those of core: [`laws`] are what scenes may name, and [`prove`] proves that forces stay
 //! within their limits.
 #![forbid(unsafe_code)]
 
 use std::sync::LazyLock;
 
-use haptic_core::law::Law;
-use haptic_core::num::Scalar;
-use haptic_core::peer::Peer;
-use haptic_laws::OtherLaw;
-use haptic_proof::{Number, Proved};
-use haptic_sim::{Family, Laws};
+use cohold_core::law::Law;
+use cohold_core::num::Scalar;
+use cohold_core::peer::Peer;
+use cohold_laws::OtherLaw;
+use cohold_proof::{Number, Proved};
+use cohold_sim::{Family, Laws};
 
 struct Others;
 
@@ -23,8 +23,8 @@ pub fn laws() -> Laws {
     *LAWS
 }
 
-/// Proves the claims of [`haptic_proof`] for a law of another paper, by its name. It is not generic, so that the proofs are compiled here.
+/// Proves the claims of [`cohold_proof`] for a law of another paper, by its name. It is not generic, so that the proofs are compiled here.
 pub fn prove(name: &str) -> Option<(&'static str, Proved)> {
     let law = OtherLaw::<Number>::LAWS.iter().find(|law| law.name == name)?;
-    Some((law.name, haptic_proof::prove::<OtherLaw<Number>>(law, Peer::tick)))
+    Some((law.name, cohold_proof::prove::<OtherLaw<Number>>(law, Peer::tick)))
 }

@@ -1,7 +1,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use haptic_io::{Kind, Most, append, is, read, text, write};
+use cohold_io::{Kind, Most, append, is, read, text, write};
 
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("io").join(name);

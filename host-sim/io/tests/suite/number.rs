@@ -1,6 +1,6 @@
 //! Numbers for people.
 
-use haptic_io::significant;
+use cohold_io::significant;
 
 #[test]
 fn significant_digits_keep_the_integer_part() {

@@ -1,4 +1,4 @@
-use haptic_io::escaped;
+use cohold_io::escaped;
 
 #[test]
 fn what_a_terminal_would_obey_is_spelled_out() {

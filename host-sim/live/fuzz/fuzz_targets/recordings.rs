@@ -1,6 +1,6 @@
 //! See `src/recordings.rs`.
 #![no_main]
 
-use haptic_live_fuzz::TARGETS;
+use cohold_live_fuzz::TARGETS;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| (TARGETS[0].1)(bytes));

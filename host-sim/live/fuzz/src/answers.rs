@@ -1,9 +1,9 @@
 //! Any text as what a board answers, line by line: no panic, and no setting that no board can have.
 
-use haptic_board_tools::calibrate::board::{Board, Tick, probed, settings, take};
-use haptic_board_tools::status::{Probed, Status};
-use haptic_board_tools::{Error, calibrate::settings_file::named};
-use haptic_core::settings::Settings;
+use cohold_board_tools::calibrate::board::{Board, Tick, probed, settings, take};
+use cohold_board_tools::status::{Probed, Status};
+use cohold_board_tools::{Error, calibrate::settings_file::named};
+use cohold_core::settings::Settings;
 
 /// A board that answers with these lines, from the first again after the last.
 struct Says<'a>(std::iter::Cycle<std::str::Lines<'a>>);

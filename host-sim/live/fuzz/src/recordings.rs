@@ -1,7 +1,7 @@
 //! Any bytes as a recording: no panic, no more numbers than bytes can hold, and nothing of it that a merge falls over.
 
-use haptic_live::recording::file::{Recording, read_from};
-use haptic_live::recording::merge::{both, merge};
+use cohold_live::recording::file::{Recording, read_from};
+use cohold_live::recording::merge::{both, merge};
 
 /// How every recording begins.
 const BEGINS: &[u8] = b"\x89MCAP0\r\n";

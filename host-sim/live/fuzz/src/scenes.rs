@@ -1,6 +1,6 @@
 //! Any text as a scene: no panic, and what is taken is taken again as the scene itself says it.
 
-use haptic_sim::scene::Scene;
+use cohold_sim::scene::Scene;
 
 /// Runs one fuzz input.
 pub(super) fn run(bytes: &[u8]) {

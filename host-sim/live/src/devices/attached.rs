@@ -18,13 +18,13 @@
 use std::array::from_fn;
 use std::time::{Duration, Instant};
 
-use haptic_core::device::Reading;
-use haptic_core::num::Motion;
-use haptic_core::peer::{Actuators, Sensors};
-use haptic_core::safety;
-use haptic_core::settings::Scale;
-use haptic_sim::device::{Device, DeviceFault, Gone};
-use haptic_sim::scene::Scene;
+use cohold_core::device::Reading;
+use cohold_core::num::Motion;
+use cohold_core::peer::{Actuators, Sensors};
+use cohold_core::safety;
+use cohold_core::settings::Scale;
+use cohold_sim::device::{Device, DeviceFault, Gone};
+use cohold_sim::scene::Scene;
 
 use super::{AXES, Abilities, DeviceOptions, Port, Seen, Sensed};
 use crate::Error;

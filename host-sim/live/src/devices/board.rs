@@ -1,7 +1,7 @@
 //! A board as the device of this peer: the object, the law and the other person are here; the board closes nothing but its own motors' loop.
 //!
 //! No protocol of its own. The board is a peer as ever, whose law is four channels without a spring, at its device (`board-device`,
-//! [`haptic_core::law::four_channel`]): what it hears is a force to give, what it says is where its hand is and what force acts. This end is the
+//! [`cohold_core::law::four_channel`]): what it hears is a force to give, what it says is where its hand is and what force acts. This end is the
 //! other peer of its sealed line. It reads what has come and says the newest force in the tick itself; sockets do not block.
 //!
 //! **Age.** A place is of the tick before it was sealed, by the shared clock; half of the round trip may be wrong in that, and counts as age.
@@ -17,17 +17,17 @@ use std::sync::{Arc, Mutex, TryLockError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use haptic_core::law::degradation::STEP_N;
-use haptic_core::law::{AnyLaw, Law, Packet};
-use haptic_core::num::Motion;
-use haptic_core::safety::Fault;
-use haptic_protocol::aged::Aged;
-use haptic_protocol::key::Key;
-use haptic_protocol::link::Error as Refusal;
-use haptic_protocol::peer::flow_of;
-use haptic_protocol::wire::{Flows, Goodbye, MAX_DATAGRAM, Message, Telemetry};
-use haptic_sim::device::{DeviceFault, Gone};
-use haptic_sim::{of_axes, scene::Scene};
+use cohold_core::law::degradation::STEP_N;
+use cohold_core::law::{AnyLaw, Law, Packet};
+use cohold_core::num::Motion;
+use cohold_core::safety::Fault;
+use cohold_protocol::aged::Aged;
+use cohold_protocol::key::Key;
+use cohold_protocol::link::Error as Refusal;
+use cohold_protocol::peer::flow_of;
+use cohold_protocol::wire::{Flows, Goodbye, MAX_DATAGRAM, Message, Telemetry};
+use cohold_sim::device::{DeviceFault, Gone};
+use cohold_sim::{of_axes, scene::Scene};
 
 use super::threaded::stopped;
 use super::{AXES, Abilities, Port, Sensed};
@@ -127,7 +127,7 @@ impl<const SHARED: usize> Talk<SHARED> {
         let ago_us = now_us.saturating_sub(self.line.sealed_us(now_us)) + round_us / 2;
         let heard = Instant::now();
         let asked = heard.checked_sub(self.period + Duration::from_micros(ago_us)).unwrap_or(self.begun);
-        let along = |of: fn(&haptic_protocol::wire::AxisFlow) -> f32| {
+        let along = |of: fn(&cohold_protocol::wire::AxisFlow) -> f32| {
             std::array::from_fn(|axis| flow.axes.get(axis).map_or(0.0, |along| f64::from(of(along))))
         };
         self.newest = Some(Sensed {
@@ -211,7 +211,7 @@ struct Board<const SHARED: usize> {
 pub(super) fn open(told: &Told, silent: Duration) -> Result<Box<dyn Port>, Error> {
     let scene = &*told.scene;
     let law = AnyLaw::<f64>::build(&scene.peer).map_err(|refused| refused.to_string())?;
-    haptic_sim::refuse_if!(
+    cohold_sim::refuse_if!(
         !law.acts_on_device(),
         "the board's scene is not that of a device: its law is to be as in {SCENE}"
     );
@@ -221,7 +221,7 @@ pub(super) fn open(told: &Told, silent: Duration) -> Result<Box<dyn Port>, Error
 /// [`open`], of a board that shares `SHARED` axes.
 fn talk<const SHARED: usize, const N: usize>(told: &Told, silent: Duration) -> Result<Box<dyn Port>, Error> {
     let (listen, scene) = (&told.listen, &told.scene);
-    let cannot = haptic_sim::Error::cannot::<std::io::Error>("listen on", listen);
+    let cannot = cohold_sim::Error::cannot::<std::io::Error>("listen on", listen);
     let socket = UdpSocket::bind(listen).map_err(&cannot)?;
     socket.set_nonblocking(true).map_err(&cannot)?;
     let begin = |number: u8| -> Result<Talk<SHARED>, Error> {

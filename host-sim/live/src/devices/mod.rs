@@ -22,15 +22,15 @@ pub mod threaded;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use haptic_sim::device::{Device, DeviceFault};
-use haptic_sim::{plant::Plant, scene::Scene};
+use cohold_sim::device::{Device, DeviceFault};
+use cohold_sim::{plant::Plant, scene::Scene};
 use serde::Serialize;
 
 use crate::Error;
 use crate::quantiles::{Quantiles, Times};
 pub use attached::Attached;
-pub use haptic_core::settings::Settings;
-pub use haptic_sim::device::Gone;
+pub use cohold_core::settings::Settings;
+pub use cohold_sim::device::Gone;
 pub use threaded::{Threaded, stopped};
 
 /// Axes of a device: none that is attached has more.

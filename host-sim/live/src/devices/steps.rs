@@ -17,7 +17,7 @@
 
 use std::time::{Duration, Instant};
 
-pub use haptic_board_tools::bringup::Passed;
+pub use cohold_board_tools::bringup::Passed;
 
 use super::{AXES, Port, Sensed};
 use crate::Error;
@@ -124,7 +124,7 @@ impl<'a> Trial<'a> {
         std::thread::sleep(TICK);
         let sensed = self.port.read().map_err(|gone| gone.to_string())?.ok_or("it has told no place")?;
         let age = sensed.between[0].elapsed();
-        haptic_sim::refuse_if!(age > self.silent, "its newest place is {:.0} ms old", 1e3 * age.as_secs_f64());
+        cohold_sim::refuse_if!(age > self.silent, "its newest place is {:.0} ms old", 1e3 * age.as_secs_f64());
         Ok(sensed)
     }
 
@@ -168,7 +168,7 @@ impl<'a> Trial<'a> {
         trips.sort_unstable();
         let (count, middle) = (trips.len(), trips.get(trips.len() / 2).copied().unwrap_or_default());
         self.slowest = trips.get(trips.len() * 99 / 100).copied().unwrap_or_default();
-        haptic_sim::refuse_if!((count as f64) < LEAST_RATE, "{count} new places in a second, of {LEAST_RATE} at least");
+        cohold_sim::refuse_if!((count as f64) < LEAST_RATE, "{count} new places in a second, of {LEAST_RATE} at least");
         let [middle_us, slow_us] = [middle, self.slowest].map(|trip| 1e6 * trip.as_secs_f64());
         Ok(format!("{count} new places in a second; an answer takes {middle_us:.0} µs, and one in 100 {slow_us:.0} µs"))
     }
@@ -176,9 +176,9 @@ impl<'a> Trial<'a> {
     fn fit(&mut self) -> Result<String, Error> {
         let can = self.port.abilities();
         let name = &can.name;
-        haptic_sim::refuse_if!(can.axes < self.axes, "{name} has {} axes, and {} are used", can.axes, self.axes);
-        haptic_sim::refuse_if!(!can.is_homed, "{name} is not homed");
-        haptic_sim::refuse_if!(
+        cohold_sim::refuse_if!(can.axes < self.axes, "{name} has {} axes, and {} are used", can.axes, self.axes);
+        cohold_sim::refuse_if!(!can.is_homed, "{name} is not homed");
+        cohold_sim::refuse_if!(
             can.max_force_n.is_some_and(|most_n| most_n < PUSH_N),
             "{name} gives less than {PUSH_N} N"
         );
@@ -202,7 +202,7 @@ impl<'a> Trial<'a> {
             (0..self.axes).map(ends).fold(0.0, |most: f64, [least, largest]| most.max(largest - least))
         };
         let (place_m, speed) = (spread(|sensed| sensed.position_m), spread(|sensed| sensed.velocity_m_per_s));
-        haptic_sim::refuse_if!(!within(place_m, CREEP_M), "its place goes to and fro by {:.2} mm", 1e3 * place_m);
+        cohold_sim::refuse_if!(!within(place_m, CREEP_M), "its place goes to and fro by {:.2} mm", 1e3 * place_m);
         Ok(format!("its place goes to and fro by {:.3} mm, its speed by {speed:.3} m/s", 1e3 * place_m))
     }
 
@@ -227,11 +227,11 @@ impl<'a> Trial<'a> {
         self.moved = [way(0), sum.sum()];
         let aside_m = (1..self.axes).map(|axis| way(axis).abs()).fold(0.0, f64::max);
         let told_mm = 1e3 * self.moved[0];
-        haptic_sim::refuse_if!(
+        cohold_sim::refuse_if!(
             (told_mm / asked_mm + 1.0).abs() <= SCALE_OFF,
             "moved toward +x it told {told_mm:.1} mm: its x points the other way"
         );
-        haptic_sim::refuse_if!(
+        cohold_sim::refuse_if!(
             !within(told_mm / asked_mm - 1.0, SCALE_OFF) || aside_m > 0.5 * self.distance_m,
             "moved by {asked_mm:.0} mm along x it told {told_mm:.1} mm, and {:.1} mm aside",
             1e3 * aside_m
@@ -257,7 +257,7 @@ impl<'a> Trial<'a> {
         let pushes = self.acts(Duration::ZERO)?;
         self.push(0, PUSH_N, Duration::from_millis(50))?;
         let left = end(self)?;
-        haptic_sim::refuse_if!(
+        cohold_sim::refuse_if!(
             pushes == 0.0 || left > LEFT * pushes,
             "pushing, {pushes:.4} acted by its own word; {left:.4} still acts"
         );
@@ -286,7 +286,7 @@ impl<'a> Trial<'a> {
             if begun.elapsed() >= REST && told.is_some_and(|told| told.between[0] >= begun) {
                 return Ok(());
             }
-            haptic_sim::refuse_if!(
+            cohold_sim::refuse_if!(
                 begun.elapsed() >= RETURNS,
                 "let go of, it has told no new place for {} s",
                 RETURNS.as_secs()
@@ -304,12 +304,12 @@ impl<'a> Trial<'a> {
                 self.rest()?;
             }
             let by_mm = 0.5e3 * (ends[0] - ends[1]);
-            haptic_sim::refuse_if!(
+            cohold_sim::refuse_if!(
                 by_mm < -0.5e3 * MOVES_M,
                 "pushed toward +{name} it went toward −{name}, by {:.2} mm: the sign of its force is wrong",
                 -by_mm
             );
-            haptic_sim::refuse_if!(
+            cohold_sim::refuse_if!(
                 within(by_mm, 0.5e3 * MOVES_M),
                 "pushed along {name} with {PUSH_N} N it did not move"
             );
@@ -348,7 +348,7 @@ impl<'a> Trial<'a> {
         let far =
             |sensed: &Sensed| (0..axes).map(|axis| (sensed.position_m[axis] - first[axis]).abs()).fold(0.0, f64::max);
         let far_mm = 1e3 * seen.iter().map(far).fold(0.0, f64::max);
-        haptic_sim::refuse_if!(far_mm > 1e3 * CREEP_M, "on a spring of {stiffness} N/m it went {far_mm:.2} mm away");
+        cohold_sim::refuse_if!(far_mm > 1e3 * CREEP_M, "on a spring of {stiffness} N/m it went {far_mm:.2} mm away");
         Ok(format!("on a spring of {stiffness} N/m it stayed within {far_mm:.2} mm"))
     }
 }

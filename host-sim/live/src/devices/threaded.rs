@@ -13,8 +13,8 @@ use std::sync::{Arc, Mutex, TryLockError};
 use std::thread::{JoinHandle, park_timeout};
 use std::time::{Duration, Instant};
 
-use haptic_protocol::aged::Aged;
-use haptic_sim::device::{DeviceFault, Gone};
+use cohold_protocol::aged::Aged;
+use cohold_sim::device::{DeviceFault, Gone};
 
 use super::{AXES, Abilities, Health, Port, Sensed};
 use crate::Error;

@@ -1,10 +1,10 @@
 //! What one peer in real time saw, as its report has it.
 
 use crate::road::PathReport;
-use haptic_protocol::link::Notice;
-use haptic_protocol::wire::Telemetry;
-use haptic_sim::measure::Statistics;
-use haptic_sim::measure::port::PortEnergy;
+use cohold_protocol::link::Notice;
+use cohold_protocol::wire::Telemetry;
+use cohold_sim::measure::Statistics;
+use cohold_sim::measure::port::PortEnergy;
 use serde::Serialize;
 
 use crate::devices::DeviceReport;

@@ -13,8 +13,8 @@ use std::collections::BTreeMap;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-use haptic_report::{Column, Columns};
-use haptic_sim::quantities::Named;
+use cohold_report::{Column, Columns};
+use cohold_sim::quantities::Named;
 
 use super::mcap::{Channel, INFO, LOG, LogLine, MAGIC, op};
 use super::origin::Origin;
@@ -271,7 +271,7 @@ impl Reading {
                 else {
                     return Ok(None);
                 };
-                haptic_sim::refuse_if!(
+                cohold_sim::refuse_if!(
                     encoding != "protobuf",
                     "schema {name} is in {encoding}: only protobuf is read here"
                 );
@@ -355,7 +355,7 @@ impl Reading {
             Some((content.number::<4>()?, content.text()?, content.number::<8>()?))
         })();
         let Some((checksum, compression, size)) = head else { return Ok(None) };
-        haptic_sim::refuse_if!(
+        cohold_sim::refuse_if!(
             !compression.is_empty(),
             "its chunks are compressed ({compression}): they are read here as they are written here, as they are"
         );
@@ -388,8 +388,8 @@ fn bounded(what: &str, there: u64, most: u64) -> Result<(), Error> {
 /// The file cannot be read, is no recording, or holds more than one may.
 pub fn read(path: &Path) -> Result<Recording, Error> {
     let place = path.display();
-    let failed = haptic_sim::Error::cannot::<std::io::Error>("read", &place);
-    let file = haptic_io::open(path).map_err(&failed)?;
+    let failed = cohold_sim::Error::cannot::<std::io::Error>("read", &place);
+    let file = cohold_io::open(path).map_err(&failed)?;
     let size = file.metadata().map_err(&failed)?.len();
     read_from(BufReader::new(file), size).map_err(|why| match why {
         Error::Refused(why) => Error::Refused(format!("{place}: {why}")),
@@ -402,10 +402,10 @@ pub fn read(path: &Path) -> Result<Recording, Error> {
 /// # Errors
 /// They cannot be read, are no recording, or hold more than one may.
 pub fn read_from(mut file: impl Read, size: u64) -> Result<Recording, Error> {
-    let failed = haptic_sim::Error::cannot::<std::io::Error>("read", &"a recording");
+    let failed = cohold_sim::Error::cannot::<std::io::Error>("read", &"a recording");
     let mut magic = [0; MAGIC.len()];
     let begins = file.read_exact(&mut magic).is_ok() && magic == *MAGIC;
-    haptic_sim::refuse_if!(!begins, "this is no recording: it does not begin as an MCAP file does");
+    cohold_sim::refuse_if!(!begins, "this is no recording: it does not begin as an MCAP file does");
     let (mut reading, mut at, mut saved, mut content) = (Reading::default(), MAGIC.len() as u64, 0, Vec::new());
     while !reading.ended {
         let mut head = [0; 9];

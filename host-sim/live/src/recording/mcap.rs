@@ -16,7 +16,7 @@
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-use haptic_sim::quantities::Named;
+use cohold_sim::quantities::Named;
 
 /// How every file begins and ends.
 pub(super) const MAGIC: &[u8; 8] = b"\x89MCAP0\r\n";

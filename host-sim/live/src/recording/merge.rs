@@ -19,9 +19,9 @@
 
 use std::collections::BTreeSet;
 
-use haptic_report::Columns;
-use haptic_sim::quantities::{self, Named};
-use haptic_sim::run::AXIS_NAMES;
+use cohold_report::Columns;
+use cohold_sim::quantities::{self, Named};
+use cohold_sim::run::AXIS_NAMES;
 use serde::Serialize;
 
 use super::common_clock::{Exchange, Relation};
@@ -120,7 +120,7 @@ impl<'a> Side<'a> {
         let origin = &recording.origin;
         let topics = || recording.channels.iter().map(|rows| rows.topic.as_str());
         if topics().any(|topic| topic.starts_with("/both/")) {
-            let why = "holds both ends already, on one clock: `host-sim recording merge` takes it alone";
+            let why = "holds both ends already, on one clock: `cohold recording merge` takes it alone";
             return Err(wrong(origin, why).into());
         }
         // What a page shows beside its peer is drawn, not measured.

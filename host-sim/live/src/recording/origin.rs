@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use haptic_report::Provenance;
+use cohold_report::Provenance;
 
 /// What made a recording, and when.
 #[derive(Clone, Debug, PartialEq, Eq)]

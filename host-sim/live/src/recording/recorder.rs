@@ -20,8 +20,8 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use crate::allowance::Allowance;
-use haptic_core::safety::Fault;
-use haptic_sim::device::DeviceFault;
+use cohold_core::safety::Fault;
+use cohold_sim::device::DeviceFault;
 
 use super::mcap::{Channel, ERROR, INFO, LogLine, Writer, log_channel};
 use super::origin::Origin;
@@ -99,12 +99,12 @@ impl Recorder {
             io::ErrorKind::AlreadyExists => {
                 Error::from(format!("{} exists: a recording is never written over another file", path.display()))
             }
-            _ => haptic_sim::Error::cannot("write", &path.display())(cause).into(),
+            _ => cohold_sim::Error::cannot("write", &path.display())(cause).into(),
         };
-        let file = haptic_io::begin(path).map_err(failed)?;
+        let file = cohold_io::begin(path).map_err(failed)?;
         let sequences = channels.iter().map(|_| AtomicU32::new(0)).collect();
         channels.push(log_channel());
-        let mut writer = Writer::begin(file, &format!("host-sim {}", origin.version), channels).map_err(failed)?;
+        let mut writer = Writer::begin(file, &format!("cohold {}", origin.version), channels).map_err(failed)?;
         writer
             .metadata("recording", origin.facts().iter().map(|(name, text)| (*name, text.as_str())))
             .map_err(failed)?;
@@ -240,7 +240,7 @@ fn write(
             Err(cause) => {
                 lost.fetch_add(std::mem::take(&mut waiting), Ordering::Relaxed);
                 failed = Some(format!("{} takes no more ({cause}): the recording has ended", file.display()));
-                haptic_io::say(format_args!("warning: {}", failed.as_deref().unwrap_or_default()));
+                cohold_io::say(format_args!("warning: {}", failed.as_deref().unwrap_or_default()));
                 // Whoever waits for room is told by its being gone; what is on its way is lost.
                 break;
             }
@@ -257,7 +257,7 @@ fn write(
         && failed.is_none()
     {
         failed = Some(format!(
-            "its summary could not be written ({cause}): `host-sim recording convert` reads it as a cut file"
+            "its summary could not be written ({cause}): `cohold recording convert` reads it as a cut file"
         ));
     }
     Ended { file, rows: written, lost: missing, failed }

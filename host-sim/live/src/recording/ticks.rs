@@ -1,14 +1,14 @@
 //! What is recorded of one peer: its ticks, its questions to the other end's clock, and what a second came to.
 
-use haptic_core::num::Scalar;
-use haptic_core::peer::Observed;
-use haptic_core::sample::{OfAxis, OfPeer, Quantities, SAMPLE};
+use cohold_core::num::Scalar;
+use cohold_core::peer::Observed;
+use cohold_core::sample::{OfAxis, OfPeer, Quantities, SAMPLE};
 
 use crate::road::PathReport;
-use haptic_board_tools::operator::Session;
-use haptic_protocol::{link::Link, wire::Sample};
-use haptic_sim::quantities::{self, Named};
-use haptic_sim::run::AXIS_NAMES;
+use cohold_board_tools::operator::Session;
+use cohold_protocol::{link::Link, wire::Sample};
+use cohold_sim::quantities::{self, Named};
+use cohold_sim::run::AXIS_NAMES;
 
 use super::common_clock::{Exchange, Relation, Watched};
 use super::mcap::{Channel, INFO, TIME};
@@ -137,13 +137,13 @@ pub fn paths(axes: usize) -> u16 {
 pub fn board_channels(number: u8, axes: usize) -> Vec<Channel> {
     let sealed = || ("sealed_s".to_owned(), "when the record was sealed, by the board's clock");
     let ticks = |axis: usize| {
-        let columns = haptic_board_tools::recording::columns(axis, axes).chain([sealed()]);
+        let columns = cohold_board_tools::recording::columns(axis, axes).chain([sealed()]);
         Channel::new(format!("/board_{number}/{}", name_of(axis)), "Tick", columns)
     };
     let exchanges = Channel::new(format!("/board_{number}/exchanges"), "Exchange", EXCHANGE);
     let mut channels = vec![ticks(0), exchanges];
     channels.extend((1..axes).map(ticks));
-    channels.push(Channel::new(format!("/board_{number}/periods"), "Period", haptic_board_tools::recording::PERIOD));
+    channels.push(Channel::new(format!("/board_{number}/periods"), "Period", cohold_board_tools::recording::PERIOD));
     channels
 }
 
@@ -191,7 +191,7 @@ impl BoardTicks {
         while let Some((at_us, words)) = session.logged() {
             recorder.log(1000 * at_us, INFO, words);
         }
-        let place = |name| quantities::place(&haptic_board_tools::recording::COLUMNS, name);
+        let place = |name| quantities::place(&cohold_board_tools::recording::COLUMNS, name);
         let (places, mut mode) = (["mode", "fault"].map(place), self.mode);
         self.take(session.link(), &samples, |channel, row| {
             recorder.put(channel, now_ns, row);
@@ -208,8 +208,8 @@ impl BoardTicks {
     pub fn take(&mut self, link: &Link, samples: &[(u64, Sample)], mut put: impl FnMut(u16, &[f64])) {
         for (sealed_us, sample) in samples {
             // Their channel is behind those of all axes.
-            haptic_board_tools::recording::periods(sample).for_each(|row| put(of_axis(self.axes, EXCHANGES), &row));
-            let row = haptic_board_tools::recording::row(sample.payload(), self.period_s);
+            cohold_board_tools::recording::periods(sample).for_each(|row| put(of_axis(self.axes, EXCHANGES), &row));
+            let row = cohold_board_tools::recording::row(sample.payload(), self.period_s);
             if let Some((axis, row)) = row.filter(|(axis, _)| *axis < self.axes) {
                 self.ticks += u64::from(axis == 0);
                 put(of_axis(axis, EXCHANGES), &[&row[..], &[1e-6 * *sealed_us as f64]].concat());

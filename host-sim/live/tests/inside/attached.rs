@@ -3,8 +3,8 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use haptic_core::safety::Fault;
-use haptic_sim::Laws;
+use cohold_core::safety::Fault;
+use cohold_sim::Laws;
 
 use super::*;
 

@@ -1,6 +1,6 @@
 //! Two copies on known courses, two clocks, and what one tells the other.
 
-use haptic_protocol::wire::Telemetry;
+use cohold_protocol::wire::Telemetry;
 
 use super::{PositionHistory, Sum};
 use crate::recording::common_clock::Watched;

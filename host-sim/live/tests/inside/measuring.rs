@@ -1,7 +1,7 @@
 //! A network that is measured: over a relay with known delays and losses, and what answers alone would say.
 
-use haptic_sim::network::link::Route;
-use haptic_sim::network::rule::Fate;
+use cohold_sim::network::link::Route;
+use cohold_sim::network::rule::Fate;
 
 use super::*;
 use crate::relay::{self, End};
@@ -41,7 +41,7 @@ fn a_relay_s_delays_and_losses_are_found() {
     assert!((10.0..13.0).contains(&found.constant_ms), "{} ms", found.constant_ms);
     assert!((4.0..20.0).contains(&found.most_ms[0]), "{:?} ms", found.most_ms);
     // Written as a scene reads it.
-    let file = std::env::temp_dir().join(format!("haptic-measured-{}.csv", std::process::id()));
+    let file = std::env::temp_dir().join(format!("cohold-measured-{}.csv", std::process::id()));
     found.trace.write(&file).expect("a file");
     let mut read = NetworkTrace::read(&file).expect("a trace");
     std::fs::remove_file(&file).expect("it was there");

@@ -1,7 +1,7 @@
 use std::net::UdpSocket;
 use std::os::fd::OwnedFd;
 
-use haptic_protocol::key::Key;
+use cohold_protocol::key::Key;
 
 use super::*;
 

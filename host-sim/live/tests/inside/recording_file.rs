@@ -8,7 +8,7 @@ use super::super::recorder::{Ended, Recorder};
 use super::{Recording, read};
 
 fn place(name: &str) -> PathBuf {
-    let path = std::env::temp_dir().join(format!("haptic-file-{name}-{}.mcap", std::process::id()));
+    let path = std::env::temp_dir().join(format!("cohold-file-{name}-{}.mcap", std::process::id()));
     let _ = std::fs::remove_file(&path);
     path
 }

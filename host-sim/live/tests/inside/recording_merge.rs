@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use haptic_sim::quantities;
+use cohold_sim::quantities;
 
 use super::super::file::{Recording, read};
 use super::super::mcap::Channel;
@@ -222,7 +222,7 @@ fn every_shared_axis_counts() {
     let merged = merge(&one, &two, Some(&hub)).expect("the hub knows both");
     assert_eq!(merged.axes, 2);
     assert!((merged.largest_true_discrepancy_mm - 8.0_f64.sqrt()).abs() < 3e-3, "{merged:?}");
-    let path = std::env::temp_dir().join(format!("haptic-together-{}.mcap", std::process::id()));
+    let path = std::env::temp_dir().join(format!("cohold-together-{}.mcap", std::process::id()));
     let _ = std::fs::remove_file(&path);
     let ended = super::super::together::write(&path, [&one, &two], Some(&hub), &merged).expect("a file");
     assert_eq!((ended.lost, &ended.failed), (0, &None));

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
-use haptic_sim::device::DeviceFault;
+use cohold_sim::device::DeviceFault;
 
 use super::super::Port;
 use super::*;

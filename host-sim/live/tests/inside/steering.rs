@@ -5,9 +5,9 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use haptic_protocol::key::Key;
-use haptic_sim::Laws;
-use haptic_sim::scene::Scene;
+use cohold_protocol::key::Key;
+use cohold_sim::Laws;
+use cohold_sim::scene::Scene;
 
 use super::*;
 use crate::Error;

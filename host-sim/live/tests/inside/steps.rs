@@ -1,6 +1,6 @@
 //! Between two steps the device tells where it is, however long its line takes to come up again.
 
-use haptic_sim::device::Gone;
+use cohold_sim::device::Gone;
 
 use super::super::Abilities;
 use super::*;

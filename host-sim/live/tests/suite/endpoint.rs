@@ -3,13 +3,13 @@
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
-use haptic_live::Error;
-use haptic_live::batch::ReceivedBatch;
-use haptic_live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker, realtime};
-use haptic_live::relay;
-use haptic_sim::engine::{Actor, Out};
-use haptic_sim::network::link::Route;
-use haptic_sim::network::rule::Fate;
+use cohold_live::Error;
+use cohold_live::batch::ReceivedBatch;
+use cohold_live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker, realtime};
+use cohold_live::relay;
+use cohold_sim::engine::{Actor, Out};
+use cohold_sim::network::link::Route;
+use cohold_sim::network::rule::Fate;
 
 /// Counts what it hears; sends itself twice as much of it, so that its socket is never empty again; ends after 20 ticks.
 struct Echo {

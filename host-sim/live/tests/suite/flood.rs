@@ -2,7 +2,7 @@
 //!
 //! Judged by the peers' state and their own time, so that a machine that is busy with other things finds the same.
 
-use haptic_sim::{Laws, scenes};
+use cohold_sim::{Laws, scenes};
 
 mod trial;
 

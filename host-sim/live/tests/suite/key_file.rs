@@ -1,7 +1,7 @@
 //! Keys from a source of randomness that repeats itself.
 
-use haptic_live::key_file::hedged;
-use haptic_protocol::key::Key;
+use cohold_live::key_file::hedged;
+use cohold_protocol::key::Key;
 
 #[test]
 fn a_source_that_repeats_itself_repeats_nothing_here() {

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use haptic_core::safety::Mode;
-use haptic_live::node::Node;
-use haptic_live::start::AFTER_US;
-use haptic_protocol::key::Key;
-use haptic_sim::Laws;
-use haptic_sim::run::{AxisOutcome, Options, run};
-use haptic_sim::scene::Scene;
-use haptic_sim::scenes;
+use cohold_core::safety::Mode;
+use cohold_live::node::Node;
+use cohold_live::start::AFTER_US;
+use cohold_protocol::key::Key;
+use cohold_sim::Laws;
+use cohold_sim::run::{AxisOutcome, Options, run};
+use cohold_sim::scene::Scene;
+use cohold_sim::scenes;
 
 /// Where the message begins in a sealed datagram (FORMAT.md), which is opened in place.
 const MESSAGE: usize = 32;

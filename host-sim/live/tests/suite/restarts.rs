@@ -1,8 +1,8 @@
 //! Either peer restarts at any instant, 10,000 times and more: core and protocol together, in virtual time.
 
-use haptic_core::law::degradation::STEP_N;
-use haptic_core::safety::Guard;
-use haptic_sim::scenes;
+use cohold_core::law::degradation::STEP_N;
+use cohold_core::safety::Guard;
+use cohold_sim::scenes;
 
 mod trial;
 
@@ -11,7 +11,7 @@ use trial::{Report, run};
 /// `count` restarts over the network of `overrides`, with what must hold on any.
 fn restarts(count: u64, overrides: &[&str]) -> Report {
     let mut scene =
-        scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("a built-in scene");
+        scenes::load(cohold_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("a built-in scene");
     for text in overrides {
         scene.apply_override(text).expect("a good override");
     }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::sheet::{Anchor, Dash, Frame, INK};
 
-const ABOUT: &str = "# host-sim paper\nkey = 1\n";
+const ABOUT: &str = "# cohold paper\nkey = 1\n";
 
 fn sheet() -> Sheet {
     let upward = Text {

@@ -16,9 +16,9 @@ fn reserved_and_forbidden_characters_do_not_break_the_document() {
 /// What made it and its data stand in the document, with what XML reserves escaped, and only where there is something.
 #[test]
 fn a_figure_carries_what_made_it_and_its_data() {
-    let document = render(&Sheet::default(), "# host-sim paper\nkey = \"a < b\"");
+    let document = render(&Sheet::default(), "# cohold paper\nkey = \"a < b\"");
     assert!(
-        document.contains("<metadata id=\"made\">\n# host-sim paper\nkey = &quot;a &lt; b&quot;\n</metadata>"),
+        document.contains("<metadata id=\"made\">\n# cohold paper\nkey = &quot;a &lt; b&quot;\n</metadata>"),
         "{document}"
     );
     let data = "x,y\n1,2\n".to_owned();

@@ -1,13 +1,13 @@
 //! Every law of core, whichever there are, and the law that says anything.
 
-use haptic_core::device::kinematics::AnyKinematics;
-use haptic_core::law::Law;
-use haptic_core::{peer::Peer, settings::Value};
-use haptic_proof::prove::{prove_in, scenes};
-use haptic_proof::{Number, Proved, Whatever, prove_named};
+use cohold_core::device::kinematics::AnyKinematics;
+use cohold_core::law::Law;
+use cohold_core::{peer::Peer, settings::Value};
+use cohold_proof::prove::{prove_in, scenes};
+use cohold_proof::{Number, Proved, Whatever, prove_named};
 
 fn named(name: &str) {
-    let (law, proved) = prove_named(name).or_else(|| haptic_guest_laws::prove(name)).expect("a law");
+    let (law, proved) = prove_named(name).or_else(|| cohold_guest_laws::prove(name)).expect("a law");
     assert_eq!(law, name);
     holds(name, &proved, 10);
 }
@@ -22,7 +22,7 @@ fn holds(name: &str, proved: &Proved, scenes: usize) {
 
 #[test]
 fn every_law_keeps_forces_within_their_limits() {
-    for law in haptic_laws::LAWS {
+    for law in cohold_laws::LAWS {
         named(law.name);
     }
 }

@@ -1,13 +1,13 @@
 //! What is wrong is found: ticks with a fault put into them, and a law that leaves its number type.
 
-use haptic_core::law::power::Power;
-use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet};
-use haptic_core::num::{Configured, Motion, Scalar};
-use haptic_core::object::{Port, Solve};
-use haptic_core::peer::{Actuators, Peer, Sensors};
-use haptic_core::settings::{Refused, Settings};
-use haptic_proof::prove::{Broken, Tick};
-use haptic_proof::{Number, prove};
+use cohold_core::law::power::Power;
+use cohold_core::law::{Coupled, Law, LawInfo, Observation, Packet};
+use cohold_core::num::{Configured, Motion, Scalar};
+use cohold_core::object::{Port, Solve};
+use cohold_core::peer::{Actuators, Peer, Sensors};
+use cohold_core::settings::{Refused, Settings};
+use cohold_proof::prove::{Broken, Tick};
+use cohold_proof::{Number, prove};
 
 type Held = Power<Number>;
 

@@ -1,16 +1,16 @@
 //! Ranges against numbers: what an operation gives of members of ranges is in what it gives of the ranges; and whole courses of a peer
 //! against the same courses in f32, which end on one of the paths.
 
-use haptic_core::device::{AXES, Reading};
-use haptic_core::law::Packet;
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::peer::{Peer, Sensors};
-use haptic_core::safety::{Command, Mode};
-use haptic_core::schema::Schema;
-use haptic_core::settings::{Settings, Value};
-use haptic_laws::EveryLaw;
-use haptic_proof::range::Float;
-use haptic_proof::{Number, Range, Unknown, begin, explore};
+use cohold_core::device::{AXES, Reading};
+use cohold_core::law::Packet;
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::peer::{Peer, Sensors};
+use cohold_core::safety::{Command, Mode};
+use cohold_core::schema::Schema;
+use cohold_core::settings::{Settings, Value};
+use cohold_laws::EveryLaw;
+use cohold_proof::range::Float;
+use cohold_proof::{Number, Range, Unknown, begin, explore};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 
@@ -187,7 +187,7 @@ fn courses(settings: &Settings) {
 
 #[test]
 fn courses_in_f32_end_on_a_path() {
-    for law in haptic_laws::LAWS {
+    for law in cohold_laws::LAWS {
         for ports in [false, true] {
             let mut settings = Settings::default();
             settings.coordination.comm = law.name;
@@ -195,7 +195,7 @@ fn courses_in_f32_end_on_a_path() {
             settings.timing.ticks_per_packet = 1;
             for gain in law.gains {
                 let (key, value) = gain.split_once('=').expect("key=value");
-                Schema::new(haptic_laws::LAWS).set(&mut settings, key, Value::of_text(value)).expect("a gain");
+                Schema::new(cohold_laws::LAWS).set(&mut settings, key, Value::of_text(value)).expect("a gain");
             }
             if ports {
                 settings.set("object.integrator", Value::Text("midpoint")).expect("a name");

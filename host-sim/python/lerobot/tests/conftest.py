@@ -13,7 +13,7 @@ stand_ins.install()
 _home = tempfile.TemporaryDirectory(prefix="lerobot-")
 os.environ.update(HF_HOME=_home.name, HF_LEROBOT_HOME=f"{_home.name}/lerobot", HF_HUB_OFFLINE="1")
 
-import haptic_sim  # noqa: E402
+import cohold  # noqa: E402
 import pandas  # noqa: E402
 import pytest  # noqa: E402
 from lerobot.utils.import_utils import register_third_party_plugins  # noqa: E402
@@ -25,7 +25,7 @@ register_third_party_plugins()
 def _line(tmp_path):
     """What the two ends of a line are told: the leader's, then the follower's."""
     key = tmp_path / "pair.key"
-    haptic_sim.generate_key(key)
+    cohold.generate_key(key)
     sockets = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2)]
     for one in sockets:
         one.bind(("127.0.0.1", 0))
@@ -54,7 +54,7 @@ def _program(monkeypatch):
 def ticks(recording):
     """The ticks of a recording at 1 kHz, as the command line converts them."""
     table = recording.with_suffix(".parquet")
-    command = [os.environ["HOST_SIM"], "convert", str(recording), str(table), "--json"]
+    command = [os.environ["COHOLD"], "convert", str(recording), str(table), "--json"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
     return pandas.read_parquet(table)

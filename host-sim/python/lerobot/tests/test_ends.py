@@ -5,7 +5,7 @@ import subprocess
 import sys
 import time
 
-import haptic_sim
+import cohold
 import lerobot_robot_haptic
 import lerobot_teleoperator_haptic
 import numpy as np
@@ -118,7 +118,7 @@ def test_a_leader_that_is_far_is_what_the_followers_peer_knows(line):
     with pytest.raises(DeviceNotConnectedError, match="and 0 are connected"):
         far.get_action()
     follower = HapticFollower(HapticFollowerConfig(**line[1], **SCENE))
-    with haptic_sim.LivePeer("any-network", 1, settings=SCENE["settings"], **line[0]) as leader, follower:
+    with cohold.LivePeer("any-network", 1, settings=SCENE["settings"], **line[0]) as leader, follower:
         follower.end.state()
         leader.push(1.0)
         follower.end.held().push(-1.0)

@@ -49,10 +49,10 @@ def test_teleoperate_takes_the_follower_to_the_wall(line, tmp_path, program):
 
 
 def test_a_leader_at_another_machine_is_recorded_by_what_came_of_it(line, tmp_path, program):
-    """The page's two machines, on loopback: `host-sim peer` with the leader, LeRobot with the follower alone."""
+    """The page's two machines, on loopback: `cohold peer` with the leader, LeRobot with the follower alone."""
     words = ["--number", 1, "--listen", line[0]["listen"], "--connect", line[0]["connect"], "--key-file", line[0]["key"]]
     words += ["--scene", "leader-follower", "--seconds", 60, "--json"]
-    with subprocess.Popen([os.environ["HOST_SIM"], "peer", *map(str, words)], stdout=subprocess.DEVNULL) as leader:
+    with subprocess.Popen([os.environ["COHOLD"], "peer", *map(str, words)], stdout=subprocess.DEVNULL) as leader:
         try:
             program(
                 lerobot_record,

@@ -3,8 +3,8 @@
 use std::net::SocketAddr;
 use std::sync::Arc;
 
-use haptic_cli::live_peer::{self, OF_A_HAND};
-use haptic_live::devices::{DeviceOptions, Kind, Own};
+use cohold_cli::live_peer::{self, OF_A_HAND};
+use cohold_live::devices::{DeviceOptions, Kind, Own};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
@@ -44,7 +44,7 @@ pub(super) fn device_of(given: &Bound<'_, PyAny>, settings: Option<&Bound<'_, Py
             Err(_) => words.push(format!("{flag}={}", word(&value)?)),
         }
     }
-    let options = live_peer::device_options(&words, &haptic_devices::ADAPTERS)
+    let options = live_peer::device_options(&words, &cohold_devices::ADAPTERS)
         .map_err(|why| refused(in_python(&why.to_string())))?;
     if name.is_some() {
         return Ok(options);

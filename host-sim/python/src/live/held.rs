@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
 use std::thread::JoinHandle;
 
-use haptic_live::endpoint::Stop;
-use haptic_live::steering::Steering;
+use cohold_live::endpoint::Stop;
+use cohold_live::steering::Steering;
 use pyo3::prelude::*;
 
 /// Why a peer did not begin, or ended.
@@ -15,10 +15,10 @@ pub(super) enum Why {
     Refused(String),
 }
 
-impl From<haptic_live::Error> for Why {
-    fn from(error: haptic_live::Error) -> Self {
+impl From<cohold_live::Error> for Why {
+    fn from(error: cohold_live::Error) -> Self {
         match &error {
-            haptic_live::Error::Sim(haptic_sim::Error::Io(..)) => Self::System(error.to_string()),
+            cohold_live::Error::Sim(cohold_sim::Error::Io(..)) => Self::System(error.to_string()),
             _ => Self::Refused(error.to_string()),
         }
     }

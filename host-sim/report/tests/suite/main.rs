@@ -3,10 +3,10 @@
 use std::fs::File;
 use std::io::Write;
 
-use haptic_io::Kind;
-use haptic_plot::Figure;
-use haptic_report::files::{write_csv, write_parquet};
-use haptic_report::{Cell, Column, Columns, Error, Files, Holds, Provenance, ROW_GROUP_ROWS};
+use cohold_io::Kind;
+use cohold_plot::Figure;
+use cohold_report::files::{write_csv, write_parquet};
+use cohold_report::{Cell, Column, Columns, Error, Files, Holds, Provenance, ROW_GROUP_ROWS};
 use parquet::basic::Type as PhysicalType;
 use parquet::file::metadata::KeyValue;
 use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -125,7 +125,7 @@ fn names_end_with_their_unit() {
     assert_eq!(columns.to_string().lines().next(), Some(heads));
     let units: Vec<&str> = columns.data().map(Column::unit).collect();
     assert_eq!(units, ["mm/N", "N·s/m", "", "", "N", "J", "mm"]);
-    let numbered = ["object_m", "object_m_per_s", "loss"].map(|name| haptic_report::numbered(name, 2));
+    let numbered = ["object_m", "object_m_per_s", "loss"].map(|name| cohold_report::numbered(name, 2));
     assert_eq!(numbered, ["object_2_m", "object_2_m_per_s", "loss_2"]);
 }
 

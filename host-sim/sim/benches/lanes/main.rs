@@ -1,7 +1,7 @@
 //! Two-peer ticks a second on one core: scenes alone, side by side in lanes, and the same equations in NumPy, in C, and in MuJoCo.
 //!
 //! ```text
-//! RUSTFLAGS="-C target-cpu=x86-64-v4" cargo bench --package haptic-sim --bench lanes
+//! RUSTFLAGS="-C target-cpu=x86-64-v4" cargo bench --package cohold-sim --bench lanes
 //! ```
 //!
 //! `target-cpu` says how wide the vectors are (v4: AVX-512, v3: AVX2; without it SSE2). Times are processor time, the least of several
@@ -15,12 +15,12 @@ use std::hint::black_box;
 use std::path::Path;
 use std::process::Command;
 
-use haptic_columns::Columns;
-use haptic_sim::lanes::number::{LANES, lanes_left};
-use haptic_sim::lanes::{self, How, Pairs};
-use haptic_sim::pair::Pair;
-use haptic_sim::run::{Options, Until, run};
-use haptic_sim::{Laws, Scene, scenes};
+use cohold_columns::Columns;
+use cohold_sim::lanes::number::{LANES, lanes_left};
+use cohold_sim::lanes::{self, How, Pairs};
+use cohold_sim::pair::Pair;
+use cohold_sim::run::{Options, Until, run};
+use cohold_sim::{Laws, Scene, scenes};
 
 const TICKS: u32 = 20_000;
 const HERE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/lanes");

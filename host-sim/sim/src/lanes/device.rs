@@ -2,9 +2,9 @@
 
 use std::array::from_fn;
 
-use haptic_core::device::Reading;
-use haptic_core::num::{Motion, Scalar as _};
-use haptic_core::peer::{Actuators, Sensors};
+use cohold_core::device::Reading;
+use cohold_core::num::{Motion, Scalar as _};
+use cohold_core::peer::{Actuators, Sensors};
 
 use super::number::{F64s, LANES};
 use crate::device::Device;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use haptic_core::contact::RenderingName;
+use cohold_core::contact::RenderingName;
 
 use super::number::LANES;
 use crate::peers::Builds;

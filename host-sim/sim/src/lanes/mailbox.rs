@@ -2,16 +2,16 @@
 //!
 //! **Each its own**: packets of all lanes leave at once, and each lane's are lost, late or repeated as its own rule says. What a tick has
 //! not brought to a lane that lane goes on with, which is what it does alone if its law only holds packets
-//! ([`haptic_core::law::Law::only_holds`]); a silence is counted, and what is held fades, in each lane by itself, with core's own
+//! ([`cohold_core::law::Law::only_holds`]); a silence is counted, and what is held fades, in each lane by itself, with core's own
 //! [`Degradation`]. The peer of all lanes hears something in each packet period and is never silent. A lane whose silence lets go of the
 //! other peer leaves.
 
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-use haptic_core::law::Packet;
-use haptic_core::law::degradation::{Degradation, Engagement};
-use haptic_core::settings::Refused;
+use cohold_core::law::Packet;
+use cohold_core::law::degradation::{Degradation, Engagement};
+use cohold_core::settings::Refused;
 
 use super::number::{ALL, F64s, LANES, leave};
 use crate::network::link::{InFlight, Inbox, Numbered, Route};

@@ -3,7 +3,7 @@
 //!
 //! **Results** are to the bit what each scene gives alone. Scenes of one kind have the same law, network and timing, so that their packets leave
 //! together; everything else may differ. Their seeds may, too, where what becomes of packets is not drawn, or the law only holds what it
-//! receives ([`haptic_core::law::Law::only_holds`]): then packets are lost and late in each lane by itself (`mailbox`). A scene that is not
+//! receives ([`cohold_core::law::Law::only_holds`]): then packets are lost and late in each lane by itself (`mailbox`). A scene that is not
 //! built as the others of its kind are, or that takes another branch than most (a limit, a fault, a contact let go), leaves, and is run alone
 //! from the start: exact, and slow, although its figures and hash are the lanes' until where it left. So lanes pay where scenes differ in
 //! gains, masses, users and seeds; not where contact comes and goes.

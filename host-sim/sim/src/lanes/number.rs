@@ -12,7 +12,7 @@ use std::cell::{Cell, RefCell};
 use std::cmp::Ordering;
 use std::ops::{Add, Mul, Neg, Sub};
 
-use haptic_core::num::Scalar;
+use cohold_core::num::Scalar;
 use wide::f64x8;
 
 use crate::measure::Figure;

@@ -1,12 +1,12 @@
 //! Pairs of peers of all lanes, and how such a peer is built: as each scene's alone, number by number.
 //!
-//! **Checked**: a peer hands over everything that it was built with ([`Configured`](haptic_core::num::Configured)). A lane stays only if
+//! **Checked**: a peer hands over everything that it was built with ([`Configured`](cohold_core::num::Configured)). A lane stays only if
 //! that is, in its bits, what its scene's peer hands over alone; so what is counted in whole numbers, or is another model, cannot pass for
 //! what the others have. A law that does not hand over what it is has no lanes.
 
 use std::array::from_fn;
 
-use haptic_core::settings::Refused;
+use cohold_core::settings::Refused;
 
 use super::device::Plants;
 use super::kinds::is_one_network;

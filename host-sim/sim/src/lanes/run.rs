@@ -1,6 +1,6 @@
 //! Runs of many scenes: in lanes where these pay, else alone.
 
-use haptic_core::settings::Refused;
+use cohold_core::settings::Refused;
 
 use super::kinds::kinds;
 use super::number::{F64s, LANES, lanes_left};

@@ -6,7 +6,7 @@
 //! v whose intercept is the mass times the acceleration and whose slope c is the drag (the copies' damping, and what a
 //! delayed power-domain coupling adds). Forces are tiny, so that no limit is touched.
 
-use haptic_core::settings::Refused;
+use cohold_core::settings::Refused;
 
 use crate::user::{Trace, User};
 use crate::{of_axes, pair::Pair, peers::Builds, plant::Plant, scene::Scene};

@@ -12,8 +12,8 @@
 //!
 //! Nothing is measured after a peer has stopped.
 
-use haptic_core::peer::Observed;
-use haptic_core::settings::Refused;
+use cohold_core::peer::Observed;
+use cohold_core::settings::Refused;
 
 use super::port::ObjectPort;
 use crate::pair::Pair;

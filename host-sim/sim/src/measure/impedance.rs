@@ -16,10 +16,10 @@
 //! **Passive** at a frequency is an impedance whose real part is not negative: there the hand can take out no energy that it did not put
 //! in. Units: Hz, N·s/m. Left out: what the answer holds at other frequencies than the hand's.
 
-use haptic_core::device::{AXES, Reading};
-use haptic_core::num::Motion;
-use haptic_core::peer::{Actuators, Sensors};
-use haptic_core::settings::Refused;
+use cohold_core::device::{AXES, Reading};
+use cohold_core::num::Motion;
+use cohold_core::peer::{Actuators, Sensors};
+use cohold_core::settings::Refused;
 
 use crate::device::Device;
 use crate::pair::{Pair, Side};

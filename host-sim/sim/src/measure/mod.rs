@@ -10,7 +10,7 @@ pub mod led;
 pub mod port;
 pub mod swing;
 
-use haptic_core::num::Scalar;
+use cohold_core::num::Scalar;
 use serde::Serialize;
 
 /// A number type in which runs are measured: `f64`, or one `f64` in each lane ([`crate::lanes`]).

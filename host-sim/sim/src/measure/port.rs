@@ -1,7 +1,7 @@
 //! Energy at the two ports of a peer's coordination: the network's, and the object's.
 //!
 //! Between the ports stand the line's end and the spring K_T. What crosses the **network port** the peer books itself
-//! (`haptic_core::law::ledger`): ½·u_in²·T_c and ½·u_out²·T_c a tick. At the **object port** F_T\[n\] acts on the copy over tick n and does
+//! (`cohold_core::law::ledger`): ½·u_in²·T_c and ½·u_out²·T_c a tick. At the **object port** F_T\[n\] acts on the copy over tick n and does
 //! the work
 //!
 //! ```text
@@ -23,7 +23,7 @@
 
 use core::iter::Sum;
 
-use haptic_core::peer::Observed;
+use cohold_core::peer::Observed;
 use serde::Serialize;
 
 use super::Figure;

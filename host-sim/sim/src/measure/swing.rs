@@ -7,7 +7,7 @@
 //!
 //! [`super::apparent_mass`] gives the same mass at rest, for scenes that are linear.
 
-use haptic_core::{law::Sends, settings::Refused};
+use cohold_core::{law::Sends, settings::Refused};
 
 use super::impedance::Complex;
 use crate::{pair::Pair, scene::Scene, user::User};

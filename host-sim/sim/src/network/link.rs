@@ -6,7 +6,7 @@
 use std::borrow::{Borrow as _, BorrowMut};
 use std::collections::VecDeque;
 
-use haptic_core::playout::Playout;
+use cohold_core::playout::Playout;
 
 use super::rule::{Arrival, Direction, Fate, Rule, of_scene};
 use crate::scene::Scene;
@@ -39,7 +39,7 @@ impl Payload for [u8] {
 }
 
 #[cfg(feature = "messages")]
-impl Payload for haptic_protocol::wire::Message {}
+impl Payload for cohold_protocol::wire::Message {}
 
 /// A value that crosses without being put into bytes, with the number that a sealed link would give it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

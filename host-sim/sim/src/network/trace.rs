@@ -93,9 +93,9 @@ impl NetworkTrace {
     pub fn read(path: &Path) -> Result<Self, Error> {
         let place = path.display();
         let cannot = Error::cannot("read", &place);
-        let mut bytes = haptic_io::read(path, TRACE).map_err(&cannot)?;
+        let mut bytes = cohold_io::read(path, TRACE).map_err(&cannot)?;
         if bytes.starts_with(&GZIP) {
-            bytes = haptic_io::all(MultiGzDecoder::new(bytes.as_slice()), TRACE).map_err(&cannot)?;
+            bytes = cohold_io::all(MultiGzDecoder::new(bytes.as_slice()), TRACE).map_err(&cannot)?;
         }
         let file = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         let measured = if bytes.starts_with(b"{") || path.extension().is_some_and(|extension| extension == "json") {
@@ -164,6 +164,6 @@ impl NetworkTrace {
             }
         }
         let bytes = writer.into_inner().map_err(|cause| failed(cause.into_error().into()))?;
-        haptic_io::write(path, &bytes, haptic_io::Kind::Named).map_err(|cause| failed(cause.into()))
+        cohold_io::write(path, &bytes, cohold_io::Kind::Named).map_err(|cause| failed(cause.into()))
     }
 }

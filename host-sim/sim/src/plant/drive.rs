@@ -12,10 +12,10 @@
 //!
 //! Off, a bridge lets go: the current is gone at once. [`Drive::fail`] breaks one of motor, bridge and sensor.
 
-use haptic_core::device::current::{Controller, CurrentLoop, Gains, PWM_PERIOD_S, Sensor};
-use haptic_core::device::motor::Duty;
-use haptic_core::device::stage::{self, Measured};
-use haptic_core::settings::{Refused, Settings};
+use cohold_core::device::current::{Controller, CurrentLoop, Gains, PWM_PERIOD_S, Sensor};
+use cohold_core::device::motor::Duty;
+use cohold_core::device::stage::{self, Measured};
+use cohold_core::settings::{Refused, Settings};
 
 use super::winding::{Flow, Winding};
 use crate::rng::Rng;

@@ -5,9 +5,9 @@
 
 use std::array::from_fn;
 
-use haptic_core::device::encoder::{Counts, Marks};
-use haptic_core::device::kinematics::KinematicsName;
-use haptic_core::settings::Settings;
+use cohold_core::device::encoder::{Counts, Marks};
+use cohold_core::device::kinematics::KinematicsName;
+use cohold_core::settings::Settings;
 
 use crate::scene::PlantFault;
 

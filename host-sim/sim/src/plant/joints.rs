@@ -4,9 +4,9 @@
 
 use std::array::from_fn;
 
-use haptic_core::device::kinematics::{self, AnyKinematics, AnySpatial, KinematicsName};
-use haptic_core::device::motor::{Duty, Motor};
-use haptic_core::{num::Motion, settings::Settings};
+use cohold_core::device::kinematics::{self, AnyKinematics, AnySpatial, KinematicsName};
+use cohold_core::device::motor::{Duty, Motor};
+use cohold_core::{num::Motion, settings::Settings};
 
 use super::encoders::Encoders;
 use crate::scene::PlantSettings;

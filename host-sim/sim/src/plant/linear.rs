@@ -3,7 +3,7 @@
 //! x⁺ = Φ(T)·x + [Γ(T) − Γ((1−τ)T)]·F_before + Γ((1−τ)T)·F_now, with (Φ, Γ) from the exponential of the 3×3 augmented
 //! matrix [[A, B], [0, 0]]·t by scaling and squaring of its Taylor series (relative error < 1e-14).
 
-use haptic_core::num::{Motion, Scalar};
+use cohold_core::num::{Motion, Scalar};
 
 /// A mass, damper and spring over one period.
 #[derive(Clone, Debug)]

@@ -15,7 +15,7 @@
 
 use std::array::from_fn;
 
-use haptic_core::num::Motion;
+use cohold_core::num::Motion;
 
 use super::joints::{Joints, Pose};
 use super::wall::Wall;

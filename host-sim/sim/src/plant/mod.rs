@@ -29,12 +29,12 @@ mod winding;
 
 use std::{array::from_fn, collections::VecDeque, f64::consts::TAU};
 
+use cohold_core::device::kinematics::{self, KinematicsName};
+use cohold_core::device::{AXES, Reading, current::periods_per_tick, stage::Measured};
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::peer::{Actuators, Sensors};
+use cohold_core::settings::{Refused, Scale, Settings};
 use encoders::Encoders;
-use haptic_core::device::kinematics::{self, KinematicsName};
-use haptic_core::device::{AXES, Reading, current::periods_per_tick, stage::Measured};
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::peer::{Actuators, Sensors};
-use haptic_core::settings::{Refused, Scale, Settings};
 use joints::{Joints, Pose};
 use linkage::{Body, Linkage};
 use principal::Principal;

@@ -6,7 +6,7 @@
 
 use std::array::from_fn;
 
-use haptic_core::num::Motion;
+use cohold_core::num::Motion;
 
 use super::linear::Linear;
 

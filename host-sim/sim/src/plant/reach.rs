@@ -3,9 +3,9 @@
 //! The way there is followed from home in small steps, joint angles by Newton's method on the peer's own forward kinematics: a place counts as
 //! reached if the mechanism can be assembled there, and moved every way. Units: m.
 
-use haptic_core::device::kinematics::KinematicsName;
-use haptic_core::num::Motion;
-use haptic_core::settings::Settings;
+use cohold_core::device::kinematics::KinematicsName;
+use cohold_core::num::Motion;
+use cohold_core::settings::Settings;
 
 use super::joints::Joints;
 use crate::scene::PlantSettings;

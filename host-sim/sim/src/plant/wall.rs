@@ -4,7 +4,7 @@
 //! B more; which of both it is, is decided every 50 µs. What a crossing between two of these makes or takes is below ½K·(v·50 µs)²: 0.3 µJ for
 //! 1 kN/m at 0.5 m/s.
 
-use haptic_core::num::Motion;
+use cohold_core::num::Motion;
 
 use super::linear::Linear;
 

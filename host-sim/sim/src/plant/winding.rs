@@ -8,7 +8,7 @@
 //!
 //! Units: A, V, s. Left out: saturation of the iron, what switches drop and how long they take, a supply that gives way.
 
-use haptic_core::device::current::PWM_PERIOD_S;
+use cohold_core::device::current::PWM_PERIOD_S;
 
 /// A winding and its supply.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,11 +2,11 @@
 
 use std::array::from_fn;
 
-use haptic_columns::{Columns, numbered};
-use haptic_core::num::Scalar;
-use haptic_core::peer::Observed;
-use haptic_core::safety::{Fault, Mode};
-use haptic_core::sample::{OfAxis, OfPeer, PeerQuantity, Quantities, Quantity, Reach, SAMPLE};
+use cohold_columns::{Columns, numbered};
+use cohold_core::num::Scalar;
+use cohold_core::peer::Observed;
+use cohold_core::safety::{Fault, Mode};
+use cohold_core::sample::{OfAxis, OfPeer, PeerQuantity, Quantities, Quantity, Reach, SAMPLE};
 
 use super::outcome::{AxisOutcome, Figures, Options};
 use crate::measure::growth::{Forces, Growth, Swing, Swings};

@@ -1,8 +1,8 @@
 //! Outcome of a run: its options, figures of merit and recorded tables.
 
-use haptic_columns::Columns;
-use haptic_core::contact::Impacts;
-use haptic_core::safety::Fault;
+use cohold_columns::Columns;
+use cohold_core::contact::Impacts;
+use cohold_core::safety::Fault;
 
 use super::reason::{Reason, Verdict};
 use crate::measure::Statistics;

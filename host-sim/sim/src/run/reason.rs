@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use haptic_core::safety::Fault;
-use haptic_io::significant;
+use cohold_core::safety::Fault;
+use cohold_io::significant;
 
 use crate::measure::growth::Swings;
 

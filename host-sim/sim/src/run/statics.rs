@@ -12,7 +12,7 @@ pub const APART_FACTOR: f64 = 1.5;
 /// The same at one instant, which may be that of a swing's end.
 pub const END_FACTOR: f64 = 3.0;
 
-/// What a newton between two copies of this scene leaves at rest at the most, m/N ([`haptic_core::law::Law::compliance`]).
+/// What a newton between two copies of this scene leaves at rest at the most, m/N ([`cohold_core::law::Law::compliance`]).
 pub fn compliance_m_per_n(scene: &Scene) -> f64 {
     scene.laws.compliance(&scene.peer, delay_s(scene))[1]
 }

@@ -1,12 +1,12 @@
 //! What contradicts itself in a scene: every range, and what settings say of each other.
 
-use haptic_core::contact::RenderingName;
-use haptic_core::device::AXES;
-use haptic_core::device::current::{self, CurrentLoop};
-use haptic_core::device::kinematics::KinematicsName;
-use haptic_core::device::velocity::VelocityName;
-use haptic_core::num::Motion;
-use haptic_core::settings::{Choice, Refused, Settings, Tables};
+use cohold_core::contact::RenderingName;
+use cohold_core::device::AXES;
+use cohold_core::device::current::{self, CurrentLoop};
+use cohold_core::device::kinematics::KinematicsName;
+use cohold_core::device::velocity::VelocityName;
+use cohold_core::num::Motion;
+use cohold_core::settings::{Choice, Refused, Settings, Tables};
 
 use super::{DriveName, Scene};
 use crate::Error;
@@ -32,7 +32,7 @@ impl Scene {
             user.settings.check_ranges().map_err(refused)?;
         }
         if self.world.plant.encoder {
-            haptic_core::device::encoder::check(&self.peer).map_err(refused)?;
+            cohold_core::device::encoder::check(&self.peer).map_err(refused)?;
         }
         if self.world.plant.encoder && self.peer.axis.velocity == VelocityName::Measured {
             return Err(Error::at(

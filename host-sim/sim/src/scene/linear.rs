@@ -1,10 +1,10 @@
 //! Linear scenes for the stability analysis, derived from a scene that is run; each says what it leaves out.
 
-use haptic_core::contact::RenderingName;
-use haptic_core::device::kinematics::KinematicsName;
-use haptic_core::device::velocity::VelocityName;
-use haptic_core::names::FixtureName;
-use haptic_core::settings::{Choice, Fixture, PLENTY_J, Scale, Settings, Tables, Value};
+use cohold_core::contact::RenderingName;
+use cohold_core::device::kinematics::KinematicsName;
+use cohold_core::device::velocity::VelocityName;
+use cohold_core::names::FixtureName;
+use cohold_core::settings::{Choice, Fixture, PLENTY_J, Scale, Settings, Tables, Value};
 
 use super::{DriveName, Network, PlantSettings, Scene};
 use crate::user::User;

@@ -1,6 +1,6 @@
 //! What somebody meant who wrote a name that there is none of.
 
-use haptic_core::settings::LawInfo;
+use cohold_core::settings::LawInfo;
 
 use super::{OWN, Scene};
 

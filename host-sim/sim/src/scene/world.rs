@@ -1,7 +1,7 @@
 //! The world around the peers, as settings: devices and their imperfections, and the network.
 
-use haptic_core::device::motor::Duty;
-use haptic_core::settings::{Allowed, Choice, number};
+use cohold_core::device::motor::Duty;
+use cohold_core::settings::{Allowed, Choice, number};
 
 use crate::network::fitted::Like;
 
@@ -17,7 +17,7 @@ crate::choices! {
     /// What a motor's duty means to a simulated winding.
     DriveName {
         "voltage" => Voltage, "A voltage, as a share of the supply.";
-        "current" => Current, "A current: the reference of haptic-core's current loop.";
+        "current" => Current, "A current: the reference of cohold-core's current loop.";
     }
 
     /// A simulated failure of the first joint of the first device, its motor, power stage or encoder.
@@ -43,7 +43,7 @@ crate::choices! {
     }
 }
 
-haptic_core::settings! {
+cohold_core::settings! {
     /// Settings of the world around the peers: devices and their imperfections, and the network.
     pub struct World;
 

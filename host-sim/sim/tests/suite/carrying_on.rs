@@ -3,9 +3,9 @@
 
 use std::sync::Arc;
 
-use haptic_sim::network::rule::{Arrival, NetworkTrace};
-use haptic_sim::pair::Pair;
-use haptic_sim::{Laws, Scene, scenes};
+use cohold_sim::network::rule::{Arrival, NetworkTrace};
+use cohold_sim::pair::Pair;
+use cohold_sim::{Laws, Scene, scenes};
 use rayon::prelude::*;
 
 use super::capital_j;
@@ -254,7 +254,7 @@ fn an_empty_tank_parts_nobody() {
 }
 
 /// Over every network: what is lost is made good for as long as one looks, and at no tick has an end done more to its copy, ∫F_T·v, than came out of the line
-/// less what went into it, and E₀. Ten minutes of each; an hour: `MINUTES=60 cargo test --release -p haptic-sim --test suite nothing_drifts`.
+/// less what went into it, and E₀. Ten minutes of each; an hour: `MINUTES=60 cargo test --release -p cohold-sim --test suite nothing_drifts`.
 #[test]
 fn nothing_drifts_and_nothing_is_made() {
     let minutes = std::env::var("MINUTES").map_or(10, |text| text.parse().expect("whole minutes"));

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use haptic_sim::pair::Pair;
-use haptic_sim::scene::Scene;
+use cohold_sim::pair::Pair;
+use cohold_sim::scene::Scene;
 
 use crate::friction::{WOUND, pulled};
 

@@ -1,7 +1,7 @@
 //! Twice the digits of f64: sums, quotients, roots and sines, against what must hold of them.
 
-use haptic_core::num::Scalar;
-use haptic_sim::double_double::DoubleDouble;
+use cohold_core::num::Scalar;
+use cohold_sim::double_double::DoubleDouble;
 
 fn number(value: f64) -> DoubleDouble {
     DoubleDouble::from_f64(value)

@@ -1,8 +1,8 @@
 //! The engine: order of turns, clocks, and what becomes of packets.
 
-use haptic_sim::engine::{Actor, Clock, Engine, EngineView, Out, Seat, Turn};
-use haptic_sim::network::link::{Counts, Route};
-use haptic_sim::network::rule::Fate;
+use cohold_sim::engine::{Actor, Clock, Engine, EngineView, Out, Seat, Turn};
+use cohold_sim::network::link::{Counts, Route};
+use cohold_sim::network::rule::Fate;
 
 /// Sends its tick to the next, and keeps what it hears: when, from whom.
 #[derive(Default)]

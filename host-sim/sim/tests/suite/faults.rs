@@ -1,14 +1,14 @@
 //! What goes wrong with a device, through the whole simulator: which fault latches, and how soon.
 
-use haptic_core::device::{AXES, motor::Duty};
-use haptic_core::num::Motion;
-use haptic_core::peer::Actuators;
-use haptic_core::safety::{Fault, Mode};
-use haptic_sim::Laws;
-use haptic_sim::pair::Pair;
-use haptic_sim::plant::Plant;
-use haptic_sim::scene::{PlantFault, Scene};
-use haptic_sim::scenes;
+use cohold_core::device::{AXES, motor::Duty};
+use cohold_core::num::Motion;
+use cohold_core::peer::Actuators;
+use cohold_core::safety::{Fault, Mode};
+use cohold_sim::Laws;
+use cohold_sim::pair::Pair;
+use cohold_sim::plant::Plant;
+use cohold_sim::scene::{PlantFault, Scene};
+use cohold_sim::scenes;
 
 /// Two devices with encoders and motors in current loops; the first one's user pushes with 3 N at 3 Hz, which is 0.22 m/s at the most.
 const DEVICE: [&str; 7] = [

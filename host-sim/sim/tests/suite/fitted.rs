@@ -1,7 +1,7 @@
 //! Networks that are like measured ones: what their sources print of those, measured of these.
 
-use haptic_sim::network::rule::{Direction, Fate, of_scene, seconds};
-use haptic_sim::{Laws, Scene};
+use cohold_sim::network::rule::{Direction, Fate, of_scene, seconds};
+use cohold_sim::{Laws, Scene};
 
 const MS: u64 = 1_000_000;
 

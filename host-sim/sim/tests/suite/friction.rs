@@ -1,8 +1,8 @@
 //! Dry friction that the motors take over: how much less a hand feels, and that nothing is ever pushed.
 
-use haptic_sim::Laws;
-use haptic_sim::pair::Pair;
-use haptic_sim::scene::Scene;
+use cohold_sim::Laws;
+use cohold_sim::pair::Pair;
+use cohold_sim::scene::Scene;
 
 /// A current loop.
 pub(crate) const WOUND: [&str; 2] = ["plant.winding=true", "plant.drive=current"];

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use haptic_sim::pair::Pair;
-use haptic_sim::peers::Builds;
-use haptic_sim::run::{Accounts, Figures, Options, run};
-use haptic_sim::{Laws, Plant, Scene, scenes};
+use cohold_sim::pair::Pair;
+use cohold_sim::peers::Builds;
+use cohold_sim::run::{Accounts, Figures, Options, run};
+use cohold_sim::{Laws, Plant, Scene, scenes};
 
 const OPTIONS: Options = Options { duration_s: 2.0, record_every: 0 };
 

@@ -1,7 +1,7 @@
 //! What a hand feels, against closed forms.
 
-use haptic_sim::measure::impedance::{BAND_HZ, Complex, POINTS, RemoteEnd, SPEED_M_PER_S, felt, frequencies_hz};
-use haptic_sim::{Laws, Scene, scenes};
+use cohold_sim::measure::impedance::{BAND_HZ, Complex, POINTS, RemoteEnd, SPEED_M_PER_S, felt, frequencies_hz};
+use cohold_sim::{Laws, Scene, scenes};
 
 fn scene(settings: &[&str]) -> Scene {
     let mut scene = scenes::load(Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("a built-in scene");

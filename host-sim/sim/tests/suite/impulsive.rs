@@ -1,7 +1,7 @@
 //! Impulsive contact in a scene: a mass that contradicts the device, and what its impacts and its rest come to.
 
-use haptic_sim::pair::Pair;
-use haptic_sim::{Error, Laws, Scene};
+use cohold_sim::pair::Pair;
+use cohold_sim::{Error, Laws, Scene};
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/impulsive.toml");
 

@@ -3,12 +3,12 @@
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use cohold_sim::network::clocks::{Clocks, Trip};
+use cohold_sim::network::rule::{Direction, of_scene};
+use cohold_sim::rng::Rng;
+use cohold_sim::scene::Scene;
+use cohold_sim::{Laws, scenes};
 use flate2::{Compression, write::GzEncoder};
-use haptic_sim::network::clocks::{Clocks, Trip};
-use haptic_sim::network::rule::{Direction, of_scene};
-use haptic_sim::rng::Rng;
-use haptic_sim::scene::Scene;
-use haptic_sim::{Laws, scenes};
 
 const MS: u64 = 1_000_000;
 

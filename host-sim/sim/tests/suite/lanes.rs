@@ -1,10 +1,10 @@
 //! Lanes against the scalar peer: the same bits, whatever the scene, and whoever leaves.
 
-use haptic_sim::lanes::number::{LANES, lanes_left};
-use haptic_sim::lanes::{self, How, Pairs};
-use haptic_sim::rng::Rng;
-use haptic_sim::run::{Options, Outcome, Reason, Until, run};
-use haptic_sim::{Scene, scenes};
+use cohold_sim::lanes::number::{LANES, lanes_left};
+use cohold_sim::lanes::{self, How, Pairs};
+use cohold_sim::rng::Rng;
+use cohold_sim::run::{Options, Outcome, Reason, Until, run};
+use cohold_sim::{Scene, scenes};
 
 /// Scenes of the test: all of them in a build that is fast.
 const SCENES: usize = if cfg!(debug_assertions) { 64 } else { 1000 };
@@ -59,7 +59,7 @@ fn random_scenes(random: &mut Rng) -> Vec<Scene> {
                 own.push(format!("{key}={}", between(random, low, high)));
             }
             own.push(format!("device.force_delay_ticks={}", random.unit()));
-            if let Ok(scene) = Scene::load(haptic_guest_laws::laws(), None, &own) {
+            if let Ok(scene) = Scene::load(cohold_guest_laws::laws(), None, &own) {
                 found.push(scene);
             }
         }
@@ -121,7 +121,7 @@ fn random_scenes_of_several_axes_have_the_bits_that_they_have_alone() {
 fn gains(name: &str, least: f64, most: f64) -> Vec<Scene> {
     let gain = |lane: usize| least + (most - least) * lane as f64 / (LANES - 1) as f64;
     let of = |lane| {
-        let mut scene = scenes::load(haptic_guest_laws::laws(), name).unwrap();
+        let mut scene = scenes::load(cohold_guest_laws::laws(), name).unwrap();
         scene.peer.coordination.stiffness_n_per_m = gain(lane);
         scene
     };
@@ -181,7 +181,7 @@ fn a_run_that_ends_where_a_peer_stops_has_the_verdict_of_the_whole_one() {
 /// Four gains with four seeds each, on a network as these settings say.
 fn gains_and_seeds(settings: &[&str]) -> Vec<Scene> {
     let of = |lane: usize| {
-        let mut scene = scenes::load(haptic_guest_laws::laws(), "paper-5.2-wave-16ms").expect("a built-in scene");
+        let mut scene = scenes::load(cohold_guest_laws::laws(), "paper-5.2-wave-16ms").expect("a built-in scene");
         let own = [
             format!("coordination.stiffness_n_per_m={}", 100.0 * (1 + lane / 4) as f64),
             format!("network.seed={}", 7 + lane % 4),
@@ -270,10 +270,10 @@ fn a_scene_that_is_built_otherwise_than_its_lanes_leaves_them_at_once() {
 
 /// A law from outside that keeps a whole number, and whose text says nothing; what it is it hands over, or not.
 mod stepped {
-    use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Spring};
-    use haptic_core::num::{Configured, Motion, Scalar};
-    use haptic_core::object::Solve;
-    use haptic_core::settings::{Key, Refused, Settings};
+    use cohold_core::law::{Coupled, Law, LawInfo, Observation, Packet, Spring};
+    use cohold_core::num::{Configured, Motion, Scalar};
+    use cohold_core::object::Solve;
+    use cohold_core::settings::{Key, Refused, Settings};
 
     const TIMES: Key = Key::number("stepped.times", 1.0, [1.0, 8.0], "").means("How often the spring is there.");
 
@@ -319,14 +319,14 @@ mod stepped {
 
     pub(super) struct Family<const SAYS: bool>;
 
-    impl<const SAYS: bool> haptic_sim::Family for Family<SAYS> {
+    impl<const SAYS: bool> cohold_sim::Family for Family<SAYS> {
         type Of<S: Scalar> = Stepped<S, SAYS>;
     }
 }
 
 /// Scenes with it, of which every fourth counts to another number, keep their bits; which lanes leave.
 fn stepped<const SAYS: bool>() -> u32 {
-    let laws = haptic_guest_laws::laws().with::<stepped::Family<SAYS>>();
+    let laws = cohold_guest_laws::laws().with::<stepped::Family<SAYS>>();
     let of = |lane: usize| {
         let mut scene = scenes::load(laws, "paper-5.2-power-16ms").expect("a built-in scene");
         let times = format!("stepped.times={}", if lane % 4 == 1 { 2 } else { 1 });

@@ -1,10 +1,10 @@
 //! The leader and the follower of the built-in scenes: no fault, no energy made, and contact at the wall that comes to rest.
 
-use haptic_sim::pair::Pair;
-use haptic_sim::peers::Laws;
-use haptic_sim::run::{Options, Outcome, run};
-use haptic_sim::scene::Scene;
-use haptic_sim::scenes;
+use cohold_sim::pair::Pair;
+use cohold_sim::peers::Laws;
+use cohold_sim::run::{Options, Outcome, run};
+use cohold_sim::scene::Scene;
+use cohold_sim::scenes;
 
 use super::capital_j;
 

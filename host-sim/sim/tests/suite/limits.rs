@@ -1,12 +1,12 @@
 //! A board's limits in whole runs: what both hands did is never less than what both devices and both copies have of it, at any tick, and
 //! no port of a peer gives more than went in.
 
-use haptic_sim::measure::port::ObjectPort;
-use haptic_sim::pair::Pair;
-use haptic_sim::peers::Builds;
-use haptic_sim::plant::Plant;
-use haptic_sim::rng::Rng;
-use haptic_sim::{Laws, Scene, of_axes, scenes};
+use cohold_sim::measure::port::ObjectPort;
+use cohold_sim::pair::Pair;
+use cohold_sim::peers::Builds;
+use cohold_sim::plant::Plant;
+use cohold_sim::rng::Rng;
+use cohold_sim::{Laws, Scene, of_axes, scenes};
 
 use super::capital_j;
 

@@ -1,9 +1,9 @@
 //! One way of a network and the receiver at its end.
 
-use haptic_sim::network::link::{Counts, Inbox, Link, Numbered, Route};
-use haptic_sim::network::rule::Direction;
-use haptic_sim::pair::Pair;
-use haptic_sim::{Laws, Scene};
+use cohold_sim::network::link::{Counts, Inbox, Link, Numbered, Route};
+use cohold_sim::network::rule::Direction;
+use cohold_sim::pair::Pair;
+use cohold_sim::{Laws, Scene};
 
 /// Packets of 8 ms, and a receiver that looks as often.
 struct Line {

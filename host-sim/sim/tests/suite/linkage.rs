@@ -1,11 +1,11 @@
 //! Devices that live in their joints: a hand of mass alone moves as without a mechanism, joints that weigh keep their energy, and what the
 //! links do not reach is refused, or is a stop.
 
-use haptic_core::num::Motion;
-use haptic_core::peer::Actuators;
-use haptic_sim::run::{self, Options, Outcome};
-use haptic_sim::scene::Scene;
-use haptic_sim::{Laws, Plant, scenes};
+use cohold_core::num::Motion;
+use cohold_core::peer::Actuators;
+use cohold_sim::run::{self, Options, Outcome};
+use cohold_sim::scene::Scene;
+use cohold_sim::{Laws, Plant, scenes};
 
 fn scene(keys: &[&str]) -> Scene {
     let mut scene = Scene::new(Laws::built_in());

@@ -29,9 +29,9 @@ mod unlike;
 mod winding;
 
 /// What the self-timed line of a scene begins with at either end, J.
-fn capital_j(scene: &haptic_sim::Scene) -> f64 {
+fn capital_j(scene: &cohold_sim::Scene) -> f64 {
     match scene.get("coordination.carry_energy_j") {
-        Some(haptic_core::settings::Value::Number(capital_j)) => capital_j,
+        Some(cohold_core::settings::Value::Number(capital_j)) => capital_j,
         other => panic!("{other:?}"),
     }
 }

@@ -1,8 +1,8 @@
 //! What simulates and measures, against closed forms: the plant's mass, damper and spring, and means.
 
-use haptic_core::num::Motion;
-use haptic_sim::measure::{LastHalf, Statistics};
-use haptic_sim::plant::Linear;
+use cohold_core::num::Motion;
+use cohold_sim::measure::{LastHalf, Statistics};
+use cohold_sim::plant::Linear;
 
 /// Closed form of a mass with damping: x = (t − (m/b)(1 − e^(−bt/m)))·F/b.
 #[test]

@@ -1,7 +1,7 @@
 //! The midpoint peer in runs (THEORY §7): true discrepancies under the pushes of §5.2 over constant delays, within 1 %.
 
-use haptic_sim::run::{Options, run};
-use haptic_sim::{Laws, Scene, scenes};
+use cohold_sim::run::{Options, run};
+use cohold_sim::{Laws, Scene, scenes};
 
 /// §5.2 with means of waves and one solve a tick.
 fn scene(ticks: u32, delay_packets: u32, mass_kg: f64, impedance: f64) -> Scene {

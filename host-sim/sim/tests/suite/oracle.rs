@@ -1,7 +1,7 @@
 //! The simulator against the independent model in `tests/oracle` (Python, written from the equations alone).
 
-use haptic_sim::run::{Options, run};
-use haptic_sim::scene::Scene;
+use cohold_sim::run::{Options, run};
+use cohold_sim::scene::Scene;
 
 const TABLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/oracle/simulations.csv");
 

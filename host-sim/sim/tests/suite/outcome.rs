@@ -1,11 +1,11 @@
 //! When a run is stable, what is reported of one that is not, and the energy at a peer's ports, against closed forms.
 
-use haptic_core::num::Motion;
-use haptic_core::peer::Observed;
-use haptic_core::safety::{Fault, Mode};
-use haptic_sim::measure::growth::Swings;
-use haptic_sim::run::{APART_MM, Accounts, Options, Outcome, Reason, Ticked, Verdict, compliance_m_per_n, run};
-use haptic_sim::{Laws, Scene};
+use cohold_core::num::Motion;
+use cohold_core::peer::Observed;
+use cohold_core::safety::{Fault, Mode};
+use cohold_sim::measure::growth::Swings;
+use cohold_sim::run::{APART_MM, Accounts, Options, Outcome, Reason, Ticked, Verdict, compliance_m_per_n, run};
+use cohold_sim::{Laws, Scene};
 
 const TICKS: u64 = 8000;
 const OPTIONS: Options = Options { duration_s: 8.0, record_every: 0 };

@@ -1,10 +1,10 @@
 //! What number types make of a self-timed line in hours (THEORY §8), from minutes: the relative mode of the copies does not walk, and
 //! the common one, which nothing pulls back, walks at random, by micrometres neither in ten hours.
 
-use haptic_core::num::Fixed;
-use haptic_sim::pair::Pair;
-use haptic_sim::peers::Number;
-use haptic_sim::{Laws, Scene, scenes};
+use cohold_core::num::Fixed;
+use cohold_sim::pair::Pair;
+use cohold_sim::peers::Number;
+use cohold_sim::{Laws, Scene, scenes};
 
 const MINUTES: usize = 20;
 const TICKS_OF_A_MINUTE: usize = 60_000;

@@ -1,9 +1,9 @@
 //! The self-timed line in runs (THEORY §8): what it keeps apart over bad networks, what it costs, and that it makes nothing.
 
-use haptic_sim::pair::Pair;
-use haptic_sim::rng::Rng;
-use haptic_sim::run::{Options, Outcome};
-use haptic_sim::{Laws, Scene, scenes};
+use cohold_sim::pair::Pair;
+use cohold_sim::rng::Rng;
+use cohold_sim::run::{Options, Outcome};
+use cohold_sim::{Laws, Scene, scenes};
 
 const MATCHED: [&str; 3] =
     ["coordination.stiffness_n_per_m=1e5", "coordination.wave_impedance_n_s_per_m=60", "object.mass_kg=0.02"];
@@ -281,7 +281,7 @@ fn outcome(settings: &[&[&str]]) -> Outcome {
     let mut scene = scenes::load(Laws::built_in(), "any-network").expect("built in");
     settings.iter().copied().flatten().for_each(|setting| scene.apply_override(setting).expect("a good override"));
     scene.check("test").expect("a good scene");
-    haptic_sim::run::run::<f64>(&scene, Options { duration_s: 20.0, record_every: 0 }, &|_| ()).expect("a good scene")
+    cohold_sim::run::run::<f64>(&scene, Options { duration_s: 20.0, record_every: 0 }, &|_| ()).expect("a good scene")
 }
 
 /// N samples in a packet cost the delay of those beyond the 8 spare ones: (N − 8)·T_c of line each way, which is (N − 8)·T_c·F/b

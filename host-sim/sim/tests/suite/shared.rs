@@ -1,12 +1,12 @@
 //! Objects shared along two and three axes: where nothing couples the axes, each is a run of one axis, to the bit.
 
-use haptic_columns::Columns;
-use haptic_sim::Laws;
-use haptic_sim::pair::{HASH_SEED, Pair};
-use haptic_sim::peers::Builds;
-use haptic_sim::run::{self, AxisOutcome, Options, Outcome};
-use haptic_sim::scene::Scene;
-use haptic_sim::{Plant, scenes};
+use cohold_columns::Columns;
+use cohold_sim::Laws;
+use cohold_sim::pair::{HASH_SEED, Pair};
+use cohold_sim::peers::Builds;
+use cohold_sim::run::{self, AxisOutcome, Options, Outcome};
+use cohold_sim::scene::Scene;
+use cohold_sim::{Plant, scenes};
 
 const RECORDED: Options = Options { duration_s: 1.5, record_every: 1 };
 

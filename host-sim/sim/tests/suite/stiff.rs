@@ -1,8 +1,8 @@
 //! A spring that is far too stiff for the tick (K_T = 10⁷ N/m) in runs over a network with jitter: under the midpoint rule its force goes up and down
 //! from tick to tick, under backward Euler it does not.
 
-use haptic_sim::pair::Pair;
-use haptic_sim::{Laws, Scene, scenes};
+use cohold_sim::pair::Pair;
+use cohold_sim::{Laws, Scene, scenes};
 
 /// The scene `any-network` with such a spring, whose line stands where nothing comes (THEORY §8), both users pushing the same way: an object that moves
 /// meets a wall again and again.

@@ -1,11 +1,11 @@
 //! Laws that pay for their energy, over networks that lose, delay, repeat and reorder: what they promise, law by law.
 
-use haptic_core::num::Fixed;
-use haptic_sim::pair::Pair;
-use haptic_sim::peers::Number;
-use haptic_sim::rng::Rng;
-use haptic_sim::user::Trace;
-use haptic_sim::{Scene, scenes};
+use cohold_core::num::Fixed;
+use cohold_sim::pair::Pair;
+use cohold_sim::peers::Number;
+use cohold_sim::rng::Rng;
+use cohold_sim::user::Trace;
+use cohold_sim::{Scene, scenes};
 
 /// A law, the share of K_T·(x_d − x_o)² that waits in its spring, and what is in each tank at first, J.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +25,7 @@ const ALL: [Subject; 6] = [SET_POSITION, PASSIVE_SPRING, TWO_LAYER, WAVE_INTEGRA
 
 /// §5.2 with this law, moved by ports.
 fn scene(law: &str, settings: &[String]) -> Scene {
-    let mut scene = scenes::load(haptic_guest_laws::laws(), "paper-5.2-passive-wave-16ms").expect("built in");
+    let mut scene = scenes::load(cohold_guest_laws::laws(), "paper-5.2-passive-wave-16ms").expect("built in");
     let common = [
         "object.integrator=midpoint",
         "object.force_delay_ticks=0",

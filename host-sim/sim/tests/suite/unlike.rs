@@ -1,10 +1,10 @@
 //! Two ends that are unlike: scales, masses, and keys that one end alone is configured with.
 
-use haptic_core::num::Motion;
-use haptic_core::peer::Actuators;
-use haptic_sim::peers::Laws;
-use haptic_sim::scene::Scene;
-use haptic_sim::{pair::Pair, plant::Plant, scenes};
+use cohold_core::num::Motion;
+use cohold_core::peer::Actuators;
+use cohold_sim::peers::Laws;
+use cohold_sim::scene::Scene;
+use cohold_sim::{pair::Pair, plant::Plant, scenes};
 
 fn with(name: &str, keys: &[&str]) -> Scene {
     let overrides: Vec<String> = keys.iter().map(|key| (*key).to_owned()).collect();

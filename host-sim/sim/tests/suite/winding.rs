@@ -1,11 +1,11 @@
 //! Windings against a second method (small steps of the differential equation), closed forms, and figures worked out by hand.
 
-use haptic_core::device::current::PWM_PERIOD_S;
-use haptic_core::device::motor::Duty;
-use haptic_core::peer::Actuators;
-use haptic_sim::Laws;
-use haptic_sim::plant::{Converter, Drive, Plant, Winding};
-use haptic_sim::scene::Scene;
+use cohold_core::device::current::PWM_PERIOD_S;
+use cohold_core::device::motor::Duty;
+use cohold_core::peer::Actuators;
+use cohold_sim::Laws;
+use cohold_sim::plant::{Converter, Drive, Plant, Winding};
+use cohold_sim::scene::Scene;
 
 const WINDING: Winding = Winding { resistance_ohm: 1.5, inductance_h: 0.5e-3, supply_v: 24.0, dead_time_s: 0.0 };
 
@@ -48,7 +48,7 @@ fn a_period_is_what_small_steps_make_of_it() {
 #[test]
 fn what_flows_in_the_end_is_ohms_law() {
     let settle = |share: f64, emf: f64| {
-        (0..400).fold(Default::default(), |flow: haptic_sim::plant::Flow, _| {
+        (0..400).fold(Default::default(), |flow: cohold_sim::plant::Flow, _| {
             WINDING.period(flow.end_a, share, emf, 0.27e-6)
         })
     };

@@ -1,8 +1,8 @@
 //! Pictures of `cooperative`: one run over time, and a sweep of delays.
 
-use haptic_environments::cooperative::run::Outcome;
-use haptic_environments::cooperative::{Collision, Engine};
-use haptic_plot::{Figure, Panel, Series};
+use cohold_environments::cooperative::run::Outcome;
+use cohold_environments::cooperative::{Collision, Engine};
+use cohold_plot::{Figure, Panel, Series};
 
 use super::Row;
 

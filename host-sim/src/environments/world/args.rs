@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use haptic_cli::flags::listing;
-use haptic_cli::listings::{key, say_keys};
-use haptic_cli::{Failure, Ui};
-use haptic_environments::records::{Field, Shape};
-use haptic_environments::{world, world::World};
+use cohold_cli::flags::listing;
+use cohold_cli::listings::{key, say_keys};
+use cohold_cli::{Failure, Ui};
+use cohold_environments::records::{Field, Shape};
+use cohold_environments::{world, world::World};
 
 /// Which world.
 #[derive(Clone, Debug, Args)]

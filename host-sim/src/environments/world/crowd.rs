@@ -1,13 +1,13 @@
-//! `host-sim shared world crowd`: how many clients a server holds.
+//! `cohold shared world crowd`: how many clients a server holds.
 
 use clap::Args;
-use haptic_environments::trials::{beside, crowd, load::Span};
-use haptic_environments::{world, world::PACKET_US, world::host::MOST_LINES};
-use haptic_live::endpoint::Stop;
+use cohold_environments::trials::{beside, crowd, load::Span};
+use cohold_environments::{world, world::PACKET_US, world::host::MOST_LINES};
+use cohold_live::endpoint::Stop;
 use serde_json::json;
 
-use haptic_cli::flags::{Time, seconds};
-use haptic_cli::{Failure, Ui};
+use cohold_cli::flags::{Time, seconds};
+use cohold_cli::{Failure, Ui};
 
 use super::WorldArgs;
 

@@ -1,4 +1,4 @@
-//! `host-sim shared world`: a static world on servers and at clients.
+//! `cohold shared world`: a static world on servers and at clients.
 
 mod args;
 mod crowd;
@@ -6,20 +6,20 @@ mod stroke;
 mod visit;
 
 use clap::Args;
-use haptic_environments::live::serve;
-use haptic_environments::records::{Object, Region};
-use haptic_environments::world::host::{Host, MOST_LINES};
-use haptic_live::endpoint::{Endpoint, Stop};
-use haptic_live::key_file;
+use cohold_environments::live::serve;
+use cohold_environments::records::{Object, Region};
+use cohold_environments::world::host::{Host, MOST_LINES};
+use cohold_live::endpoint::{Endpoint, Stop};
+use cohold_live::key_file;
 use serde_json::json;
 
-use haptic_cli::flags::End;
-use haptic_cli::{Failure, Ui};
+use cohold_cli::flags::End;
+use cohold_cli::{Failure, Ui};
 
 use args::WorldArgs;
 pub(crate) use args::world_keys;
 
-haptic_cli::commands! {
+cohold_cli::commands! {
     pub(crate) World {
         /// A server over UDP: the whole world, or one region of it.
         Serve(Serve),

@@ -1,13 +1,13 @@
-//! `host-sim shared world stroke`: what a hand feels that strokes along an object and pushes it about, and where its work goes.
+//! `cohold shared world stroke`: what a hand feels that strokes along an object and pushes it about, and where its work goes.
 
 use clap::Args;
-use haptic_environments::records::{Block, Shape};
-use haptic_environments::world::picture;
-use haptic_environments::world::stroke::{Options, stroke};
+use cohold_environments::records::{Block, Shape};
+use cohold_environments::world::picture;
+use cohold_environments::world::stroke::{Options, stroke};
 use serde_json::json;
 
-use haptic_cli::flags::{Out, number};
-use haptic_cli::{Failure, Ui};
+use cohold_cli::flags::{Out, number};
+use cohold_cli::{Failure, Ui};
 
 use super::WorldArgs;
 

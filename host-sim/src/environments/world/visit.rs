@@ -1,15 +1,15 @@
-//! `host-sim shared world visit`: a client of a static world.
+//! `cohold shared world visit`: a client of a static world.
 
 use std::{net::SocketAddr, path::PathBuf};
 
 use clap::Args;
-use haptic_environments::world::visitor::{Correspondent, Setup};
-use haptic_environments::{live::visit, world::host::MOST_LINES};
-use haptic_live::{endpoint::Stop, key_file};
-use haptic_protocol::key::Role;
+use cohold_environments::world::visitor::{Correspondent, Setup};
+use cohold_environments::{live::visit, world::host::MOST_LINES};
+use cohold_live::{endpoint::Stop, key_file};
+use cohold_protocol::key::Role;
 
-use haptic_cli::flags::{End, number, seconds};
-use haptic_cli::{Failure, Ui};
+use cohold_cli::flags::{End, number, seconds};
+use cohold_cli::{Failure, Ui};
 
 #[derive(Debug, Args)]
 #[command(mut_arg("seconds", |arg| arg.default_value("10")))]
@@ -38,7 +38,7 @@ pub(crate) struct Visit {
     /// Another client that is told straight where this one is, by its line and where it listens.
     #[arg(long, value_name = "LINE=ADDRESS:PORT", value_parser = friend, requires = "friend_key_file")]
     friend: Option<(u32, SocketAddr)>,
-    /// Key file of the two (`host-sim key generate`).
+    /// Key file of the two (`cohold key generate`).
     #[arg(long, value_name = "FILE", requires = "friend")]
     friend_key_file: Option<PathBuf>,
 }
@@ -46,7 +46,7 @@ pub(crate) struct Visit {
 fn numbered(text: &str) -> Result<(u32, SocketAddr), Failure> {
     let (number, address) = text.split_once('=').ok_or("write it as NUMBER=ADDRESS:PORT")?;
     let number = number.parse().map_err(|_| format!("{number} is no number"))?;
-    Ok((number, haptic_cli::address::endpoint(address)?))
+    Ok((number, cohold_cli::address::endpoint(address)?))
 }
 
 fn server(text: &str) -> Result<(u8, SocketAddr), Failure> {

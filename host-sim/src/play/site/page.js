@@ -673,7 +673,7 @@ function asToml() {
     tables.set(table, [...(tables.get(table) ?? []), `${key.slice(dot + 1)} = ${text}`]);
   }
   const parts = [...tables].map(([table, lines]) => `[${table}]\n${lines.join("\n")}\n`);
-  return `# A scene of host-sim play; host-sim cooperate --scene runs it too.\n\n${parts.join("\n")}`;
+  return `# A scene of cohold play; cohold cooperate --scene runs it too.\n\n${parts.join("\n")}`;
 }
 element("save").addEventListener("click", () => download("scene.toml", new Blob([asToml()], { type: "application/toml" })));
 input("open").addEventListener("change", async () => {
@@ -825,5 +825,5 @@ Object.assign(window, {
 });
 may(operates, hasHand);
 if (ring) line = connect();
-else say("this address names no run: paste it under “Open link” in a page that host-sim play has given you", true);
+else say("this address names no run: paste it under “Open link” in a page that cohold play has given you", true);
 requestAnimationFrame(frame);

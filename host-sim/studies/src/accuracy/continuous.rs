@@ -12,8 +12,8 @@
 
 use std::collections::VecDeque;
 
-use haptic_analysis::{Matrix, exponential};
-use haptic_sim::scene::Scene;
+use cohold_analysis::{Matrix, exponential};
+use cohold_sim::scene::Scene;
 
 /// Time from one sample to the next, s.
 pub const SAMPLE_S: f64 = 1e-3;
@@ -112,7 +112,7 @@ pub fn run(scene: &Scene, duration_s: f64) -> Vec<Sample> {
         let force = |state: &[f64]| peer.force.iter().zip(state).map(|(gain, value)| gain * value).sum();
         samples.push(Sample { objects_m: [first[2], second[2]], forces_n: [force(first), force(second)] });
         for state in &mut states {
-            *state = haptic_analysis::apply(&peer.transition, state);
+            *state = cohold_analysis::apply(&peer.transition, state);
         }
     }
     samples

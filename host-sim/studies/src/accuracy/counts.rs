@@ -3,23 +3,23 @@
 //! | processor | counted by | with |
 //! |---|---|---|
 //! | Cortex-M7, the board's | `cargo xtask count` | QEMU: a virtual clock that every instruction moves |
-//! | x86-64 | `cargo bench --package haptic-studies --bench choices` | valgrind's callgrind |
+//! | x86-64 | `cargo bench --package cohold-studies --bench choices` | valgrind's callgrind |
 //!
-//! Both run the very same [`haptic_cases`] and give the same counts on every run of the same binary. Unit: instructions per
+//! Both run the very same [`cohold_cases`] and give the same counts on every run of the same binary. Unit: instructions per
 //! call (loading the parameters, storing the state and the call itself included) or, for `tick/…`, per tick of a whole
 //! peer, an eighth of its exchange included.
 //!
 //! **Cost per scene**: a scene carries only the models it needs, so cost is a sum that a user can read off: every row is a scene,
-//! the row it is compared with, and the instructions between them. The list of scenes is [`haptic_cases::scenes`].
+//! the row it is compared with, and the instructions between them. The list of scenes is [`cohold_cases::scenes`].
 //!
 //! Limits: instructions are not cycles. In particular f64 takes as many instructions as f32 on both, but not everywhere as
 //! few cycles; what a scheme or a model adds carries over, the price of a number type must be timed on the hardware.
 
 use std::{collections::BTreeMap, sync::LazyLock};
 
-use haptic_cases::scenes::{NAMED, SCENES, Scene};
-use haptic_core::names::Choice;
-use haptic_report::Columns;
+use cohold_cases::scenes::{NAMED, SCENES, Scene};
+use cohold_core::names::Choice;
+use cohold_report::Columns;
 use serde::Serialize;
 
 /// What instructions are instructions of.

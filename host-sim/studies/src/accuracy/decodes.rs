@@ -7,17 +7,17 @@
 //!
 //! Alone like this the delayed decode is stable up to K_T = (b + B_T)/T_c, 12 000 N/m here, and rings below it.
 
-use haptic_cases::line::{AMPLITUDE_M, ANGULAR_RAD_PER_S, local, wave};
-use haptic_core::law::wave::Decode;
-use haptic_core::law::{AnyLaw, Law, Observation};
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::object::Staged;
-use haptic_core::settings::{Choice, Refused, Settings};
-use haptic_report::significant;
+use cohold_cases::line::{AMPLITUDE_M, ANGULAR_RAD_PER_S, local, wave};
+use cohold_core::law::wave::Decode;
+use cohold_core::law::{AnyLaw, Law, Observation};
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::object::Staged;
+use cohold_core::settings::{Choice, Refused, Settings};
+use cohold_report::significant;
 
 use super::{Comparison, Family, counts::Processor, rms};
 
-pub use haptic_cases::line::{input, settings, ticks};
+pub use cohold_cases::line::{input, settings, ticks};
 
 /// Coordination stiffnesses, N/m: those the paper found for the two wave communications.
 const STIFFNESSES: [f64; 2] = [1590.0, 10_620.0];

@@ -10,14 +10,14 @@
 //!
 //! Unit: m/s, root of the mean square over 2 s.
 
-use haptic_core::device::velocity::{AnyVelocity, VelocityName};
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::settings::{Choice, Refused, Settings};
-use haptic_report::significant;
+use cohold_core::device::velocity::{AnyVelocity, VelocityName};
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::settings::{Choice, Refused, Settings};
+use cohold_report::significant;
 
 use super::{Comparison, Family, counts::Processor, rms};
 
-pub use haptic_cases::reach::{RESOLUTIONS, case, readings, settings};
+pub use cohold_cases::reach::{RESOLUTIONS, case, readings, settings};
 
 /// Cutoffs tried for the best one, Hz: whole steps of a tenth of a decade.
 const CUTOFFS_HZ: [f64; 18] =

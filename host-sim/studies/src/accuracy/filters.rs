@@ -14,14 +14,14 @@
 
 use std::f64::consts::TAU;
 
-use haptic_cases::filters::angle;
-use haptic_core::num::Scalar;
-use haptic_core::settings::{Refused, Settings};
-use haptic_sim::measure::impedance::Complex;
+use cohold_cases::filters::angle;
+use cohold_core::num::Scalar;
+use cohold_core::settings::{Refused, Settings};
+use cohold_sim::measure::impedance::Complex;
 
 use super::{Comparison, Family, counts::Processor, rms};
 
-pub use haptic_cases::filters::{Bilinear, Exact, Filter, ForwardEuler};
+pub use cohold_cases::filters::{Bilinear, Exact, Filter, ForwardEuler};
 
 /// RMS over the band of (relative error of gain and phase, relative error of the gain alone).
 pub fn errors<S: Scalar, F: Filter<S>>(settings: &Settings) -> (f64, f64) {

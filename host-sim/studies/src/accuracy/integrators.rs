@@ -10,15 +10,15 @@
 //!
 //! Half a second at T_c = 1 ms without force delay, in f32. Unit: m, m/s; energy as a fraction of what there was.
 
-use haptic_cases::contact::{PUSH_N, RELEASE_M};
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::object::IntegratorName;
-use haptic_core::settings::{Choice, Refused, Settings};
-use haptic_report::significant;
+use cohold_cases::contact::{PUSH_N, RELEASE_M};
+use cohold_core::num::{Motion, Scalar};
+use cohold_core::object::IntegratorName;
+use cohold_core::settings::{Choice, Refused, Settings};
+use cohold_report::significant;
 
 use super::{Comparison, Family, counts::Processor, largest, rms};
 
-pub use haptic_cases::contact::{Test, run, settings};
+pub use cohold_cases::contact::{Test, run, settings};
 
 /// Position (m) and velocity (m/s) at `time_s`, in closed form.
 pub fn closed_form(test: Test, settings: &Settings, time_s: f64) -> Motion<f64> {

@@ -4,9 +4,9 @@
 //! delay of 9 ms each way at every control rate. Its pair obeys a delay-differential equation that has no closed form; the reference is the pair itself
 //! at [`FINE`] ticks each millisecond in f64 with the midpoint rule, which both integrators must come to.
 
-use haptic_core::object::IntegratorName;
-use haptic_core::settings::Refused;
-use haptic_sim::Scene;
+use cohold_core::object::IntegratorName;
+use cohold_core::settings::Refused;
+use cohold_sim::Scene;
 
 use super::continuous::Sample;
 use super::pair;

@@ -7,16 +7,16 @@
 //!
 //! Unit: m for the hand, m/rad for the Jacobian; largest errors. micromath exists for f32 only; the capstan needs no sine.
 
-use haptic_core::device::kinematics::five_bar::HOME_RAD;
-use haptic_core::device::kinematics::{AnyKinematics, KinematicsName, Maths, Pose};
-use haptic_core::num::{Fixed, Motion, Scalar};
-use haptic_core::settings::{Choice, Refused, Settings};
-use haptic_report::significant;
-use haptic_sim::double_double::DoubleDouble;
+use cohold_core::device::kinematics::five_bar::HOME_RAD;
+use cohold_core::device::kinematics::{AnyKinematics, KinematicsName, Maths, Pose};
+use cohold_core::num::{Fixed, Motion, Scalar};
+use cohold_core::settings::{Choice, Refused, Settings};
+use cohold_report::significant;
+use cohold_sim::double_double::DoubleDouble;
 
 use super::{Comparison, Family, counts::Processor, largest};
 
-pub use haptic_cases::workspace::{case, joints, settings};
+pub use cohold_cases::workspace::{case, joints, settings};
 
 /// Hand (m) and Jacobian (m/rad) of a pose.
 pub type Truth = ([DoubleDouble; 2], [[DoubleDouble; 2]; 2]);

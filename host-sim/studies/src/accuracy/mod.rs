@@ -31,8 +31,8 @@ pub mod sums;
 pub mod timed;
 mod whole_peer;
 
-use haptic_core::settings::Refused;
-use haptic_report::Columns;
+use cohold_core::settings::Refused;
+use cohold_report::Columns;
 use rayon::prelude::*;
 use serde::Serialize;
 

@@ -7,10 +7,10 @@
 //!
 //! A board computes in f32 and keeps long sums in f64: what that mix is worth, a self-timed line says ([`super::sums`]).
 
-use haptic_core::num::{Fixed, Scalar};
-use haptic_core::{law::wave::Decode, object::IntegratorName, settings::Refused};
-use haptic_report::significant;
-use haptic_sim::double_double::DoubleDouble;
+use cohold_core::num::{Fixed, Scalar};
+use cohold_core::{law::wave::Decode, object::IntegratorName, settings::Refused};
+use cohold_report::significant;
+use cohold_sim::double_double::DoubleDouble;
 
 use super::pair::{self, Deviation, deviation};
 use super::{Comparison, Family, continuous, counts::Processor, sums};

@@ -4,9 +4,9 @@
 //! 1 adds 1 N for 25 ms every 2.5 s. Passive wave, one packet of 8 ms one way. Forces act without delay, so that there is
 //! a continuous limit to be near to; K_T is 1590 N/m, where both decodes are stable.
 
-use haptic_core::{law::wave::Decode, object::IntegratorName, settings::Refused};
-use haptic_sim::peers::Number;
-use haptic_sim::{Laws, pair::Pair, scene::Scene, scenes};
+use cohold_core::{law::wave::Decode, object::IntegratorName, settings::Refused};
+use cohold_sim::peers::Number;
+use cohold_sim::{Laws, pair::Pair, scene::Scene, scenes};
 use std::path::Path;
 
 use super::continuous::{SAMPLE_S, Sample};

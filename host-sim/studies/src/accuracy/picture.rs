@@ -4,7 +4,7 @@
 //! alike look so. Dots are choices; the dashed line joins the Pareto front: what is left of it and below cannot be had. An
 //! error of exactly zero has no place on such an axis: a note says so. Nor has a choice whose instructions nobody has counted.
 
-use haptic_plot::{Dash, Figure, Panel, Series};
+use cohold_plot::{Dash, Figure, Panel, Series};
 
 use super::counts::{Cost, Processor};
 use super::{Comparison, Family, Point};

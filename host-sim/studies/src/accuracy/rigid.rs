@@ -1,4 +1,4 @@
-//! A free rigid body ([`haptic_core::object::free_body`]) by number type and step: what it keeps, and by how much it turns late.
+//! A free rigid body ([`cohold_core::object::free_body`]) by number type and step: what it keeps, and by how much it turns late.
 //!
 //! **Kept**: a body of the size of a hand tumbles, turned nearly about its intermediate axis, nobody pushing: the largest change of its
 //! energy and of its angular momentum in space as the body shows it, R·I·Ω, both relative. (What is stored of the momentum is kept to the bit.)
@@ -8,11 +8,11 @@
 //!
 //! Left out: what a step costs.
 
-use haptic_core::num::{Fixed, Motion, Scalar};
-use haptic_core::object::free_body::{Flying, FreeBody, Wrench};
-use haptic_core::object::rigid::Rotor;
-use haptic_core::object::vector::Moving;
-use haptic_report::Columns;
+use cohold_core::num::{Fixed, Motion, Scalar};
+use cohold_core::object::free_body::{Flying, FreeBody, Wrench};
+use cohold_core::object::rigid::Rotor;
+use cohold_core::object::vector::Moving;
+use cohold_report::Columns;
 use rayon::prelude::*;
 
 /// Of the body that tumbles.

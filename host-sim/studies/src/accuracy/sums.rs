@@ -4,14 +4,14 @@
 //! line keeps the copies where they are. Devices are simulated in f64 and packets cross as they are: the only difference is what a peer
 //! computes in. Reference: the same in double-double, whose sums are f64. Unit: m.
 
-use haptic_core::device::{AXES, Reading};
-use haptic_core::law::{AnyLaw, Packet};
-use haptic_core::names::Side;
-use haptic_core::num::{Fixed, Motion, Scalar};
-use haptic_core::peer::{Peer, Sensors};
-use haptic_core::safety::Command;
-use haptic_core::settings::{Refused, Settings};
-use haptic_sim::double_double::DoubleDouble;
+use cohold_core::device::{AXES, Reading};
+use cohold_core::law::{AnyLaw, Packet};
+use cohold_core::names::Side;
+use cohold_core::num::{Fixed, Motion, Scalar};
+use cohold_core::peer::{Peer, Sensors};
+use cohold_core::safety::Command;
+use cohold_core::settings::{Refused, Settings};
+use cohold_sim::double_double::DoubleDouble;
 use std::collections::VecDeque;
 use std::ops::{Add, Mul, Neg, Sub};
 

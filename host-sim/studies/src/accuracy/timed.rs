@@ -1,16 +1,16 @@
 //! Error and time: every scheme of `whole_peer` with what a millisecond of control of one peer takes on this machine.
 //!
-//! Time is the least of `REPLAYS` replays of the recording whose instructions are counted (`haptic_cases`): what interrupts a machine makes a
+//! Time is the least of `REPLAYS` replays of the recording whose instructions are counted (`cohold_cases`): what interrupts a machine makes a
 //! replay longer and never shorter. In f32, an eighth of an exchange in each tick; of a program as it was built, so ask a release build.
 //! Unit: m, N, ns, instructions.
 
 use std::time::Instant;
 
-use haptic_cases::scenes::SCENES;
-use haptic_cases::ticks::{Recording, TICKS, measured_tick};
-use haptic_core::law::AnyLaw;
-use haptic_core::settings::{Refused, Settings};
-use haptic_report::Columns;
+use cohold_cases::scenes::SCENES;
+use cohold_cases::ticks::{Recording, TICKS, measured_tick};
+use cohold_core::law::AnyLaw;
+use cohold_core::settings::{Refused, Settings};
+use cohold_report::Columns;
 
 use super::counts::Processor;
 use super::whole_peer::{self, Measured};

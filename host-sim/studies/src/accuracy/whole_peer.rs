@@ -4,10 +4,10 @@
 //! where a better scheme and a faster one can be weighed against each other. Run in f32, the passive wave against continuous control
 //! ([`super::continuous`]), the self-timed line against what it converges to ([`super::line`]). Unit: m, N; instructions per millisecond of one peer.
 
-use haptic_core::settings::{Choice, Refused};
-use haptic_core::{law::wave::Decode, object::IntegratorName};
-use haptic_report::significant;
-use haptic_sim::Scene;
+use cohold_core::settings::{Choice, Refused};
+use cohold_core::{law::wave::Decode, object::IntegratorName};
+use cohold_report::significant;
+use cohold_sim::Scene;
 use rayon::prelude::*;
 
 use super::pair::{self, Deviation, deviation};
@@ -43,7 +43,7 @@ impl Scheme {
         }
     }
 
-    /// The scene of `haptic_cases` whose ticks are counted and timed.
+    /// The scene of `cohold_cases` whose ticks are counted and timed.
     pub(super) fn case(self) -> String {
         match self {
             Self::Wave(by, from) => format!("{}-{}", from.name(), by.name()),

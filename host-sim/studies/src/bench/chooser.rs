@@ -1,7 +1,7 @@
 //! Which law is nearest, for how much of what a hand feels: of all laws, and of those that promise passivity.
 
-use haptic_core::settings::Promise;
-use haptic_report::Columns;
+use cohold_core::settings::Promise;
+use cohold_report::Columns;
 
 use super::Found;
 use super::motions::Motion;

@@ -1,6 +1,6 @@
 //! The fronts as a picture: a panel a law, every other law's front behind it.
 
-use haptic_plot::{Dash, Figure, Panel, Series, ShareY};
+use cohold_plot::{Dash, Figure, Panel, Series, ShareY};
 
 use super::Found;
 use super::points::Point;

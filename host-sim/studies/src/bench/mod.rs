@@ -28,9 +28,9 @@ pub mod tables;
 
 use std::path::{Path, PathBuf};
 
-use haptic_core::settings::{Choice, LawInfo};
-use haptic_report::Provenance;
-use haptic_sim::peers::Laws;
+use cohold_core::settings::{Choice, LawInfo};
+use cohold_report::Provenance;
+use cohold_sim::peers::Laws;
 use rayon::prelude::*;
 
 use self::motions::Motion;

@@ -8,13 +8,13 @@
 //! | contact | one hand presses and leaves, ±20 mm at 0.5 Hz through an arm of 200 N/m, the other is an arm of 100 N/m; contact only pushes | contact that is made and lost |
 //! | let go | an arm of 200 N/m holds against 2 N, which end after 3 s | what is stored comes free |
 
-use haptic_core::names::Choice;
-use haptic_sim::scene::Scene;
-use haptic_sim::user::{Trace, User};
+use cohold_core::names::Choice;
+use cohold_sim::scene::Scene;
+use cohold_sim::user::{Trace, User};
 
 use crate::Error;
 
-haptic_sim::choices! {
+cohold_sim::choices! {
     /// A motion.
     Motion {
         "against" => Against, "Pushes against each other.";

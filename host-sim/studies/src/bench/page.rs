@@ -4,7 +4,7 @@ use super::points::Point;
 use super::protocol::BOUNDS_N_S_PER_M;
 use super::{Bench, Found, tables};
 
-/// Between these lines of the page stands what `host-sim study bench --page` writes.
+/// Between these lines of the page stands what `cohold study bench --page` writes.
 pub const BENCH: [&str; 2] = ["<!-- bench begin -->", "<!-- bench end -->"];
 
 /// How the page calls its picture.
@@ -18,7 +18,7 @@ pub fn section(bench: &Bench, found: &Found) -> String {
     let networks: Vec<&str> = bench.networks.iter().map(|network| network.name.as_str()).collect();
     let gains: String = found.best().filter(|point| point.name != "declared").map(line).collect();
     format!(
-        "Written by `host-sim study bench --budget {budget} --page docs/laws.md` by [the protocol](bench.md), with one scene. Every law has {searches} searches of {budget} tunings, on networks\n\
+        "Written by `cohold study bench --budget {budget} --page docs/laws.md` by [the protocol](bench.md), with one scene. Every law has {searches} searches of {budget} tunings, on networks\n\
          apart from those of the test. What a hand alone feels is bounded by {bounds} N·s/m (|Z| at 1 Hz); each bound is a point of a law's front. Test networks, {seeds} seeds each:\n\
          {networks}. {tunings} tunings, {runs} runs of the test. [What the columns mean](data.md#the-bench); every run and tuning is in the files (`--out`).\n\n\
          *mm/N* is the true discrepancy over the force of contact, under pushes against each other, on the **worst test network**. First it is given at the gains that a law\n\

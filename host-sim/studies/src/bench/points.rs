@@ -3,8 +3,8 @@
 //! A network counts with the mean of its seeds, a law with its worst network; a peak with the largest of every run. Where a run stopped there is no mean
 //! of its network, and so no worst one: it is said how many stopped, and what did not is no consolation.
 
-use haptic_core::names::Choice;
-use haptic_core::settings::LawInfo;
+use cohold_core::names::Choice;
+use cohold_core::settings::LawInfo;
 
 use super::motions::Motion;
 use super::runs::Run;

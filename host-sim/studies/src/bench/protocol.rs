@@ -4,9 +4,9 @@
 //! paper's §5.2, K_LC = 1000 N/m, B_LC = 2 N·s/m, a device of 0.1 kg and 1 N·s/m whose force is late by [`SCENE`], one solve a tick; in silence all let go
 //! as late ([`LADDER`](crate::campaign::laws::LADDER)).
 
-use haptic_core::settings::{Allowed, LawInfo, Sends, Value};
-use haptic_sim::peers::Laws;
-use haptic_sim::scene::Scene;
+use cohold_core::settings::{Allowed, LawInfo, Sends, Value};
+use cohold_sim::peers::Laws;
+use cohold_sim::scene::Scene;
 
 use crate::Error;
 use crate::campaign::laws::law_scene;

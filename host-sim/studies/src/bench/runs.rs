@@ -2,13 +2,13 @@
 
 use std::sync::LazyLock;
 
-use haptic_analysis::judge;
-use haptic_core::names::Choice;
-use haptic_core::settings::LawInfo;
-use haptic_report::Columns;
-use haptic_sim::measure::at_hand;
-use haptic_sim::run::Outcome;
-use haptic_sim::scene::Scene;
+use cohold_analysis::judge;
+use cohold_core::names::Choice;
+use cohold_core::settings::LawInfo;
+use cohold_report::Columns;
+use cohold_sim::measure::at_hand;
+use cohold_sim::run::Outcome;
+use cohold_sim::scene::Scene;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 

@@ -5,7 +5,7 @@
 //!
 //! | in this order | on | admitted |
 //! |---|---|---|
-//! | what a hand feels at 0.2, 1 and 5 Hz ([`haptic_sim::measure::led`]) | 8 ms and 24 ms, nothing lost, the larger of both | mass at 1 Hz up to [`protocol::MOST_MASS_KG`], \|Z\| up to the largest bound |
+//! | what a hand feels at 0.2, 1 and 5 Hz ([`cohold_sim::measure::led`]) | 8 ms and 24 ms, nothing lost, the larger of both | mass at 1 Hz up to [`protocol::MOST_MASS_KG`], \|Z\| up to the largest bound |
 //! | every mode, by the analyser, of a law that is linear | 8 ms | stable |
 //! | a hand lets go | 8 ms | nobody stops, nothing grows |
 //! | one hand is led for 3 s | every tuning network | nobody stops |
@@ -13,13 +13,13 @@
 //!
 //! What is made least is the **worst tuning network's** distance of the copies over the force of contact, mm/N.
 
-use haptic_analysis::{Hands, judge};
-use haptic_core::names::Choice;
-use haptic_core::settings::{LawInfo, Value};
-use haptic_report::Columns;
-use haptic_sim::measure::led::felt;
-use haptic_sim::run::{Options, Outcome, Verdict, run};
-use haptic_sim::scene::Scene;
+use cohold_analysis::{Hands, judge};
+use cohold_core::names::Choice;
+use cohold_core::settings::{LawInfo, Value};
+use cohold_report::Columns;
+use cohold_sim::measure::led::felt;
+use cohold_sim::run::{Options, Outcome, Verdict, run};
+use cohold_sim::scene::Scene;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 

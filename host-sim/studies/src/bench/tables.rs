@@ -1,6 +1,6 @@
 //! The bench as tables: fronts with a row a law, a row for the gains of a law, every tuning, every run.
 
-use haptic_report::Columns;
+use cohold_report::Columns;
 
 use super::Found;
 use super::motions::Motion;
@@ -57,7 +57,7 @@ pub fn parts(found: &Found) -> [Columns; 2] {
     [moved(named_points(&best)).done(), felt(named_points(&best)).done()]
 }
 
-type Rows<'a> = haptic_report::Rows<'a, Point>;
+type Rows<'a> = cohold_report::Rows<'a, Point>;
 
 fn named_points(points: &[Point]) -> Rows<'_> {
     Columns::of(points)

@@ -2,18 +2,18 @@
 
 use rayon::prelude::*;
 
-use haptic_analysis::judge;
-use haptic_core::law::Promise;
-use haptic_core::safety::Fault;
-use haptic_core::settings::Refused;
-use haptic_sim::measure::growth::Forces;
-use haptic_sim::measure::swing::{Felt, felt};
-use haptic_sim::pair::Pair;
-use haptic_sim::peers::Builds;
-use haptic_sim::plant::Plant;
-use haptic_sim::run::{Options, Outcome, Verdict, run};
-use haptic_sim::scene::Scene;
-use haptic_sim::{of_axes, user::Trace, user::User};
+use cohold_analysis::judge;
+use cohold_core::law::Promise;
+use cohold_core::safety::Fault;
+use cohold_core::settings::Refused;
+use cohold_sim::measure::growth::Forces;
+use cohold_sim::measure::swing::{Felt, felt};
+use cohold_sim::pair::Pair;
+use cohold_sim::peers::Builds;
+use cohold_sim::plant::Plant;
+use cohold_sim::run::{Options, Outcome, Verdict, run};
+use cohold_sim::scene::Scene;
+use cohold_sim::{of_axes, user::Trace, user::User};
 
 use crate::entrant::Entrant;
 use crate::study::{Place, Study};

@@ -15,7 +15,7 @@
 //! | true | mean of \|x_o1 − x_o2\| over the last half of [`DURATION_S`]: mean over the seeds and half of its 95 % interval (Student) | F/K_T + F·T/b |
 //! | worst | the largest of it at any instant of any seed | |
 //! | channel | what a peer took from the network over what the other one gave to it, worst direction and seed: above 1 the network makes energy, which is what a hand feels as an object that comes alive (THEORY §5) | ≤ 1 |
-//! | peer | what left the ports of a peer's coordination over what entered them ([`haptic_sim::measure::port`]), worst peer and seed: above 1 the peer makes energy | ≤ 1 |
+//! | peer | what left the ports of a peer's coordination over what entered them ([`cohold_sim::measure::port`]), worst peer and seed: above 1 the peer makes energy | ≤ 1 |
 //! | peak, jump | largest F_T of any seed, and its largest change from tick to tick | |
 //! | way | how far the copies (their mean) are after both users have pushed [`PUSH_N`] the same way for [`PUSH_S`], after [`REST_S`] at rest, over the same on the scene's own network: mean over the seeds | 1 |
 //! | its peak | largest F_T in any of those runs: what an object that moves and is held by a bad network does to a hand | |
@@ -26,7 +26,7 @@
 //! | apparent mass | what both hands feel when they move the object together (transparency) | 2·m_O |
 //! | drag | what they lose while they do | 0 |
 //!
-//! Delay, mass and drag are measured on a slow swing ([`haptic_sim::measure::swing`]) with the first seed. A sample that is held for a
+//! Delay, mass and drag are measured on a slow swing ([`cohold_sim::measure::swing`]) with the first seed. A sample that is held for a
 //! packet period is (M − 1)/2 ticks late on average, in every row; a wave is sent a tick after it was made.
 //!
 //! A law from outside the crate is tried as well, at the gains that it declares; core's own are, if they are asked for: [`laws`].
@@ -34,12 +34,12 @@
 mod cells;
 pub mod laws;
 
-use haptic_core::law::Sends;
+use cohold_core::law::Sends;
 
-use haptic_report::{Columns, Rows};
-use haptic_sim::peers::Laws;
-use haptic_sim::run::{Outcome, Verdict};
-use haptic_sim::{scene::Scene, scenes, user::User};
+use cohold_report::{Columns, Rows};
+use cohold_sim::peers::Laws;
+use cohold_sim::run::{Outcome, Verdict};
+use cohold_sim::{scene::Scene, scenes, user::User};
 
 use super::Error;
 use crate::entrant::Entrant;

@@ -10,8 +10,8 @@
 
 use std::f64::consts::TAU;
 
-use haptic_core::law::decimate::Decimator;
-use haptic_core::settings::Settings;
+use cohold_core::law::decimate::Decimator;
+use cohold_core::settings::Settings;
 
 /// Packets that a wave lasts, of which the last half is counted.
 const PACKETS: usize = 2000;

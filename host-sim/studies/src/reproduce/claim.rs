@@ -1,10 +1,10 @@
 //! A claim of a paper, and the verdict on it.
 
-use haptic_report::significant;
+use cohold_report::significant;
 
 use crate::Error;
 
-haptic_sim::choices! {
+cohold_sim::choices! {
     /// What is to be said of a claim.
     Verdict {
         "matched" => Matched, "What was computed is what the paper says.";

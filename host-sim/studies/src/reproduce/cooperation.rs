@@ -1,10 +1,10 @@
 //! The cooperation paper's claims: §4.3 with Figure 4, what §1 to §3 say of filters, §5.1 with Figures 6 and 7, §5.2 with Figures 8 and 9.
 
-use haptic_analysis::{Hands, Map, figure4, judge};
-use haptic_core::law::decimate::{Newest, OnePole};
-use haptic_core::names::Decode;
-use haptic_report::significant;
-use haptic_sim::run::{Options, Outcome, run};
+use cohold_analysis::{Hands, Map, figure4, judge};
+use cohold_core::law::decimate::{Newest, OnePole};
+use cohold_core::names::Decode;
+use cohold_report::significant;
+use cohold_sim::run::{Options, Outcome, run};
 
 use super::claim::{Claim, of};
 use super::paper::{Experiment, PRINTED, Printed, run_at, scene};

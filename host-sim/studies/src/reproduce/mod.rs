@@ -24,9 +24,9 @@ mod cooperation;
 pub mod paper;
 mod readings;
 
-use haptic_core::names::Choice;
-use haptic_plot::Figure;
-use haptic_report::{Columns, significant};
+use cohold_core::names::Choice;
+use cohold_plot::Figure;
+use cohold_report::{Columns, significant};
 
 use crate::Error;
 
@@ -99,7 +99,7 @@ pub fn counted(claims: &[Claim]) -> String {
 /// One page: the claims of each paper as a table, and the figures behind it.
 pub fn page(claims: &[Claim], pictures: &[(&str, String)], experiments: &Columns) -> String {
     let mut page =
-        format!("# Both papers, claim by claim\n\nComputed by `host-sim paper reproduce`: {}.\n", counted(claims));
+        format!("# Both papers, claim by claim\n\nComputed by `cohold paper reproduce`: {}.\n", counted(claims));
     let mut papers: Vec<&str> = claims.iter().map(|claim| claim.paper).collect();
     papers.dedup();
     for paper in papers {

@@ -6,10 +6,10 @@
 
 use rayon::prelude::*;
 
-use haptic_analysis::{Analysis, Conclusion, conclude};
-use haptic_report::Columns;
-use haptic_sim::run::{Options, Outcome, run};
-use haptic_sim::{Laws, scene::Scene, scenes};
+use cohold_analysis::{Analysis, Conclusion, conclude};
+use cohold_report::Columns;
+use cohold_sim::run::{Options, Outcome, run};
+use cohold_sim::{Laws, scene::Scene, scenes};
 
 use super::readings::{TO_N_PER_M, boundary, crossings};
 use crate::Error;

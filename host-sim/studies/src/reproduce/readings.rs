@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 
-use haptic_analysis::{Effort, Limit, Range, limit};
-use haptic_core::names::Choice;
-use haptic_core::object::IntegratorName;
-use haptic_sim::scene::Scene;
+use cohold_analysis::{Effort, Limit, Range, limit};
+use cohold_core::names::Choice;
+use cohold_core::object::IntegratorName;
+use cohold_sim::scene::Scene;
 
 use crate::Error;
 

@@ -14,8 +14,8 @@
 
 use std::str::FromStr;
 
-use haptic_report::Provenance;
-use haptic_sim::run::Verdict;
+use cohold_report::Provenance;
+use cohold_sim::run::Verdict;
 
 use super::halving::LeftOut;
 use super::{Place, Study};

@@ -9,7 +9,7 @@
 //! What a try is measured by, and what it costs, says who asks ([`Tried`]). A try **counts** whatever comes of it. **The same tries** come of
 //! any number of threads: the gains of one depend on the seed, on its number, and on what the rounds before it have found.
 
-use haptic_sim::rng::Rng;
+use cohold_sim::rng::Rng;
 use rayon::prelude::*;
 
 use crate::Error;

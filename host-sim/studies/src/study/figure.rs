@@ -6,8 +6,8 @@
 
 use std::ops::Range;
 
-use haptic_plot::{Dash, Figure, Panel, Series, Shape, ShareY, Strip};
-use haptic_report::label;
+use cohold_plot::{Dash, Figure, Panel, Series, Shape, ShareY, Strip};
+use cohold_report::label;
 
 use super::Study;
 use super::answers::{Answer, Goal, Standing, by_point};

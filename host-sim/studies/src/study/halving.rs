@@ -17,7 +17,7 @@
 
 use std::collections::BTreeMap;
 
-use haptic_analysis::judge;
+use cohold_analysis::judge;
 use rayon::prelude::*;
 
 use super::Study;
@@ -26,7 +26,7 @@ use crate::Error;
 use crate::paired::Paired;
 use crate::sweep::{Keep, Plan, Row, Todo, estimate, unstable_modes};
 
-haptic_sim::choices! {
+cohold_sim::choices! {
     /// Which runs a study does.
     Search {
         "grid" => Grid, "Every point with every seed.";

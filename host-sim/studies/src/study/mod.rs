@@ -18,8 +18,8 @@ pub mod halving;
 pub mod pairs;
 mod tables;
 
-use haptic_report::Provenance;
-use haptic_sim::scene::Scene;
+use cohold_report::Provenance;
+use cohold_sim::scene::Scene;
 
 use crate::Error;
 use crate::entrant::Entrant;

@@ -1,6 +1,6 @@
 //! The tables of a study: every run, every point, the answers, and the pairs.
 
-use haptic_report::{Cell, Columns, Holds, Rows};
+use cohold_report::{Cell, Columns, Holds, Rows};
 
 use super::answers::{Answer, Counts, Goal, Next};
 use super::halving::LeftOut;

@@ -2,8 +2,8 @@
 
 use std::{collections::BTreeSet, str::FromStr};
 
-use haptic_report::{Cell, Holds};
-use haptic_sim::scene::value_of;
+use cohold_report::{Cell, Holds};
+use cohold_sim::scene::value_of;
 
 use crate::Error;
 
@@ -19,10 +19,10 @@ pub(super) const MOST: usize = 1_000_000;
 /// | `KEY=X,Y,Z` | these: numbers, `true` and `false`, names |
 ///
 /// ```
-/// use haptic_studies::sweep::Axis;
+/// use cohold_studies::sweep::Axis;
 /// let axis: Axis = "network.loss=0..0.2:3".parse()?;
 /// assert_eq!(axis.values, ["0.0", "0.1", "0.2"]);
-/// # Ok::<(), haptic_studies::Error>(())
+/// # Ok::<(), cohold_studies::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {

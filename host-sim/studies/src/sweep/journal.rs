@@ -19,9 +19,9 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use haptic_io::{Kind, Most};
-use haptic_report::files::{write_csv, write_parquet};
-use haptic_report::{Column, Columns, Provenance};
+use cohold_io::{Kind, Most};
+use cohold_report::files::{write_csv, write_parquet};
+use cohold_report::{Column, Columns, Provenance};
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -74,11 +74,11 @@ impl<R: Kept> Journal<R> {
         question: &Provenance,
         shard: (usize, usize),
     ) -> Result<(Self, Vec<R>), Error> {
-        fs::create_dir_all(folder).map_err(haptic_sim::Error::cannot("make", &folder.display()))?;
+        fs::create_dir_all(folder).map_err(cohold_sim::Error::cannot("make", &folder.display()))?;
         same_question(folder, &question.toml(), study)?;
         let path = folder.join(format!("{}-{}-of-{}.csv", R::ROWS, shard.0, shard.1));
-        let failed = haptic_sim::Error::cannot::<std::io::Error>("write", &path.display());
-        let mut file = haptic_io::append(&path).map_err(&failed)?;
+        let failed = cohold_sim::Error::cannot::<std::io::Error>("write", &path.display());
+        let mut file = cohold_io::append(&path).map_err(&failed)?;
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             return Err(format!("{} is being written by another process: wait for its end", path.display()).into());
         }
@@ -105,7 +105,7 @@ impl<R: Kept> Journal<R> {
             written = written.and_then(|()| file.sync_data());
             *synced = Instant::now();
         }
-        Ok(written.map_err(haptic_sim::Error::cannot("write", &self.path.display()))?)
+        Ok(written.map_err(cohold_sim::Error::cannot("write", &self.path.display()))?)
     }
 
     /// Has everything reach the disk.
@@ -114,7 +114,7 @@ impl<R: Kept> Journal<R> {
     /// The file cannot be written.
     pub fn finish(&self) -> Result<(), Error> {
         let (file, _) = &*self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        Ok(file.sync_all().map_err(haptic_sim::Error::cannot("write", &self.path.display()))?)
+        Ok(file.sync_all().map_err(cohold_sim::Error::cannot("write", &self.path.display()))?)
     }
 }
 
@@ -191,13 +191,13 @@ pub(super) fn read<R: Kept>(lines: &[u8]) -> impl Iterator<Item = csv::Result<R>
 fn same_question(folder: &Path, question: &str, study: &str) -> Result<(), Error> {
     let path = folder.join(format!("{study}.toml"));
     // Never over another's.
-    match haptic_io::write(&path, question.as_bytes(), Kind::New) {
+    match cohold_io::write(&path, question.as_bytes(), Kind::New) {
         Err(cause) if cause.kind() != ErrorKind::AlreadyExists => {
-            return Err(haptic_sim::Error::cannot("write", &path.display())(cause).into());
+            return Err(cohold_sim::Error::cannot("write", &path.display())(cause).into());
         }
         _ => {}
     }
-    let there = haptic_io::text(&path, QUESTION).map_err(haptic_sim::Error::cannot("read", &path.display()))?;
+    let there = cohold_io::text(&path, QUESTION).map_err(cohold_sim::Error::cannot("read", &path.display()))?;
     let (there, here) = (asked(&there), asked(question));
     let line =
         |of: &[String], at: usize| of.get(at).map_or_else(|| "nothing more".to_owned(), |line| format!("`{line}`"));
@@ -219,14 +219,14 @@ pub(super) fn asked(text: &str) -> Vec<String> {
 
 /// The text of a file up to the end of its last whole line.
 fn whole_lines(path: &Path) -> Result<Vec<u8>, Error> {
-    let mut bytes = haptic_io::read(path, ROWS).map_err(haptic_sim::Error::cannot("read", &path.display()))?;
+    let mut bytes = cohold_io::read(path, ROWS).map_err(cohold_sim::Error::cannot("read", &path.display()))?;
     bytes.truncate(bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1));
     Ok(bytes)
 }
 
 /// Every row of every shard, the first one of each run, in their order.
 fn rows_in<R: Kept>(folder: &Path) -> Result<Vec<R>, Error> {
-    let failed = haptic_sim::Error::cannot::<std::io::Error>("read", &folder.display());
+    let failed = cohold_sim::Error::cannot::<std::io::Error>("read", &folder.display());
     let mut paths = Vec::new();
     for entry in fs::read_dir(folder).map_err(&failed)? {
         let path = entry.map_err(&failed)?.path();

@@ -1,8 +1,8 @@
 //! The figures of merit of a run that a sweep keeps: those that `cooperate` and the campaign tell, as [`Outcome`] gives them.
 
-use haptic_protocol::wire::packet_bytes;
-use haptic_report::Rows;
-use haptic_sim::run::Outcome;
+use cohold_protocol::wire::packet_bytes;
+use cohold_report::Rows;
+use cohold_sim::run::Outcome;
 
 /// A figure of merit.
 #[derive(Clone, Copy, Debug)]

@@ -24,10 +24,10 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use ring::digest::{SHA256, digest};
 
-use haptic_core::names::Choice;
-use haptic_core::settings::{Allowed, Key};
-use haptic_report::{Cell, Columns, Holds, Provenance, Rows};
-use haptic_sim::scene::Scene;
+use cohold_core::names::Choice;
+use cohold_core::settings::{Allowed, Key};
+use cohold_report::{Cell, Columns, Holds, Provenance, Rows};
+use cohold_sim::scene::Scene;
 
 use self::row::POINT;
 use super::Error;
@@ -262,8 +262,8 @@ pub(crate) fn with_traces(
 
 /// SHA-256 of the content of a trace, in hexadecimal.
 fn sha256_of(trace: &Path) -> Result<String, Error> {
-    let bytes = haptic_io::read(trace, haptic_sim::user::TRACE);
-    let bytes = bytes.map_err(haptic_sim::Error::cannot("read", &trace.display()))?;
+    let bytes = cohold_io::read(trace, cohold_sim::user::TRACE);
+    let bytes = bytes.map_err(cohold_sim::Error::cannot("read", &trace.display()))?;
     Ok(hex(digest(&SHA256, &bytes).as_ref()))
 }
 

@@ -1,17 +1,17 @@
 //! Anything that is run point by point, every point with the same seeds: a sweep, a comparison, a study.
 //!
 //! **The same rows** come of any number of threads, any order and any shard (points I − 1, I − 1 + N, …), to the last bit; the spectral
-//! radius alone depends on the processor, by some 10⁻¹⁵ of itself. Points and seeds are run side by side ([`haptic_sim::lanes`]),
+//! radius alone depends on the processor, by some 10⁻¹⁵ of itself. Points and seeds are run side by side ([`cohold_sim::lanes`]),
 //! which changes no bit; a point that draws nothing is run with one seed, for all of them are the same.
 
 use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
-use haptic_analysis::Analysis;
-use haptic_sim::lanes::{self, How, number::LANES};
-use haptic_sim::run::{Outcome, Until};
-use haptic_sim::scene::Scene;
+use cohold_analysis::Analysis;
+use cohold_sim::lanes::{self, How, number::LANES};
+use cohold_sim::run::{Outcome, Until};
+use cohold_sim::scene::Scene;
 
 use super::row::Row;
 use crate::Error;

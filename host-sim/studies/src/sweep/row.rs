@@ -1,9 +1,9 @@
 //! What one run of a sweep gave, and the columns of it.
 
-use haptic_analysis::{Analysis, Conclusion, Judgement};
-use haptic_report::{Columns, Rows};
-use haptic_sim::run::{Outcome, Verdict};
-use haptic_sim::scene::Scene;
+use cohold_analysis::{Analysis, Conclusion, Judgement};
+use cohold_report::{Columns, Rows};
+use cohold_sim::run::{Outcome, Verdict};
+use cohold_sim::scene::Scene;
 use serde::{Deserialize, Serialize};
 
 use super::journal::{self, Kept};
@@ -31,7 +31,7 @@ pub struct Row {
     /// Figures of merit; NaN where there is none.
     #[serde(rename = "merits")]
     pub metrics: [f64; METRICS.len()],
-    /// Hash of both peers' states over every tick that was run ([`Until`](haptic_sim::run::Until)).
+    /// Hash of both peers' states over every tick that was run ([`Until`](cohold_sim::run::Until)).
     pub state_hash: String,
 }
 

@@ -14,7 +14,7 @@
 
 use std::str::FromStr;
 
-use haptic_sim::rng::Rng;
+use cohold_sim::rng::Rng;
 
 use super::axis::{MOST, ends, form};
 use crate::Error;
@@ -22,7 +22,7 @@ use crate::Error;
 /// Most keys of a sample.
 pub const MOST_KEYS: usize = 21;
 
-haptic_sim::choices! {
+cohold_sim::choices! {
     /// How points are spread.
     Design {
         "latin-hypercube" => LatinHypercube, "One point in each of N parts of every range.";

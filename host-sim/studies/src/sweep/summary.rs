@@ -1,7 +1,7 @@
 //! The runs of a point as one row: means over the seeds, with half of their 95 % interval.
 
-use haptic_report::{Columns, Rows};
-use haptic_sim::run::Verdict;
+use cohold_report::{Columns, Rows};
+use cohold_sim::run::Verdict;
 
 use super::metrics::METRICS;
 use super::row::{EVERY_MODE, Row, UNSTABLE_MODES, said};

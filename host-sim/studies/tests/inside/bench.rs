@@ -3,8 +3,8 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use haptic_core::names::Choice;
-use haptic_sim::measure::{at_hand, led::felt};
+use cohold_core::names::Choice;
+use cohold_sim::measure::{at_hand, led::felt};
 
 use super::motions::Motion;
 use super::runs::Run;
@@ -17,7 +17,7 @@ use crate::study::around::best;
 const FEW: &[Named] = &[("8 ms", ""), ("bursts of 40 ms, 20 %", "loss=0.2 loss_burst_packets=40ms")];
 
 fn bench(names: &str, budget: usize) -> Bench {
-    let laws = haptic_guest_laws::laws();
+    let laws = cohold_guest_laws::laws();
     let chosen = asked_for(laws, names).expect("laws");
     let networks = Network::named(FEW);
     Bench { laws, chosen, budget, seeds: 1, searches: 1, networks, traces: Vec::new() }
@@ -59,7 +59,7 @@ fn all(found: &Found) -> String {
 /// The same rows on one thread and on two, and after a bench that was killed in the middle of a line; what was found is not done again.
 #[test]
 fn it_goes_on_where_it_was_stopped_with_the_same_rows() {
-    let folder = std::env::temp_dir().join(format!("haptic-bench-{}", std::process::id()));
+    let folder = std::env::temp_dir().join(format!("cohold-bench-{}", std::process::id()));
     let folder = folder.as_path();
     let bench = Bench { searches: 2, ..bench("power", 6) };
     let question = bench.question(Provenance::now("1", "c")).expect("a question");
@@ -95,7 +95,7 @@ fn it_goes_on_where_it_was_stopped_with_the_same_rows() {
 /// Finding 1: no law is let go of earlier than another, whatever it declares.
 #[test]
 fn one_ladder_of_silence_for_all_laws_at_all_gains() {
-    let laws = haptic_guest_laws::laws();
+    let laws = cohold_guest_laws::laws();
     for law in laws.all() {
         let gains = protocol::gains(laws, law).expect("gains");
         assert!(
@@ -120,7 +120,7 @@ fn one_ladder_of_silence_for_all_laws_at_all_gains() {
 /// not at 200; the damping with which four channels are stable over 40 ms and bursts of loss and without which they are not; and P+d is among the laws.
 #[test]
 fn what_single_gains_decide_is_tuned() {
-    let laws = haptic_guest_laws::laws();
+    let laws = cohold_guest_laws::laws();
     let law = |name: &str| asked_for(laws, name).expect("a law")[0];
     let tuned = |name: &str, key: &str| {
         let gains = protocol::gains(laws, law(name)).expect("gains");
@@ -148,7 +148,7 @@ fn what_single_gains_decide_is_tuned() {
 /// Whatever is tuned has ends that the law takes, and a share of its range that comes back.
 #[test]
 fn every_gain_goes_from_end_to_end() {
-    let laws = haptic_guest_laws::laws();
+    let laws = cohold_guest_laws::laws();
     for law in laws.all() {
         for gain in protocol::gains(laws, law).expect("gains") {
             for share in [0.0, 0.3, 1.0] {
@@ -169,7 +169,7 @@ fn every_gain_goes_from_end_to_end() {
 /// of the same apparent mass does.
 #[test]
 fn drag_is_felt_and_way_is_not_normalised() {
-    let laws = haptic_guest_laws::laws();
+    let laws = cohold_guest_laws::laws();
     let chosen = asked_for(laws, "p-plus-d,self-timed").expect("laws");
     let of = |law: &LawInfo| {
         let scene = protocol::scene(laws, law, "").expect("a scene");
@@ -189,7 +189,7 @@ fn drag_is_felt_and_way_is_not_normalised() {
 /// gives at most what it began with.
 #[test]
 fn the_balance_of_the_link_tells_who_makes_energy() {
-    let laws = haptic_guest_laws::laws();
+    let laws = cohold_guest_laws::laws();
     let network = &Network::named(networks::TEST)[3];
     let least = |name: &str, gains: &str| {
         let law = asked_for(laws, name).expect("a law")[0];
@@ -206,7 +206,7 @@ fn the_balance_of_the_link_tells_who_makes_energy() {
 /// Each motion is what its line of the page says, and nobody stops under a law that holds.
 #[test]
 fn every_motion_runs() {
-    let laws = haptic_guest_laws::laws();
+    let laws = cohold_guest_laws::laws();
     let law = asked_for(laws, "self-timed").expect("a law")[0];
     let scene = protocol::scene(laws, law, "").expect("a scene");
     for &motion in Motion::ALL {
@@ -272,10 +272,10 @@ fn the_scene_of_the_nearest_law_is_that_of_the_page() {
     let page = std::fs::read_to_string(page).expect("the page of laws");
     let gains = |line: &str| Some(line.strip_prefix("- `four-channel` ≤ 25: `")?.strip_suffix('`')?.to_owned());
     let gains = page.lines().find_map(gains).expect("the bench has gains of four channels for 25 N·s/m");
-    let laws = haptic_guest_laws::laws();
+    let laws = cohold_guest_laws::laws();
     let benched = protocol::scene(laws, asked_for(laws, "four-channel").expect("a law")[0], &gains).expect("a scene");
-    let near = haptic_sim::scenes::load(laws, "four-channel-near").expect("a built-in scene");
-    let settings = |scene: &haptic_sim::Scene| {
+    let near = cohold_sim::scenes::load(laws, "four-channel-near").expect("a built-in scene");
+    let settings = |scene: &cohold_sim::Scene| {
         scene.settings().into_iter().filter(|(key, _)| !key.starts_with("user.")).collect::<Vec<_>>()
     };
     assert_eq!(settings(&near), settings(&benched));

@@ -1,13 +1,13 @@
 //! Cells of the campaign: networks in milliseconds, seeds, means with their intervals, and what is not reported.
 
-use haptic_sim::run::Reason;
+use cohold_sim::run::Reason;
 
 use super::*;
 
 fn base(overrides: &[&str]) -> Scene {
-    let mut scene = scenes::load(haptic_guest_laws::laws(), "hub").expect("a built-in scene");
+    let mut scene = scenes::load(cohold_guest_laws::laws(), "hub").expect("a built-in scene");
     overrides.iter().for_each(|text| scene.apply_override(text).expect("a good override"));
-    scene.users = scenes::load(haptic_guest_laws::laws(), BASE).expect("a built-in scene").users;
+    scene.users = scenes::load(cohold_guest_laws::laws(), BASE).expect("a built-in scene").users;
     scene
 }
 
@@ -95,7 +95,7 @@ fn the_way_is_that_of_the_scenes_own_network() {
 /// The last row is the recommended scene: its peers are configured with the same.
 #[test]
 fn the_self_timed_row_is_any_network() {
-    let laws = haptic_guest_laws::laws();
+    let laws = cohold_guest_laws::laws();
     let rows = scenes(laws, &COMMS).expect("good scenes");
     let row = &rows.iter().find(|row| row.name == "self-timed").expect("a row").scene;
     let scene = scenes::load(laws, "any-network").expect("a built-in scene");
@@ -112,7 +112,7 @@ fn few_packets_do_where_the_line_has_margin() {
         let pushes = ["user.1.push_n=1", "user.2.push_n=1", "user.2.sine_n=0.25", "user.2.sine_rad_per_s=3"];
         let slack = ["coordination.tautness=0"];
         let set: Vec<String> = pushes.iter().chain(&slack).chain(together).map(|text| (*text).to_owned()).collect();
-        let scene = scenes::find(haptic_guest_laws::laws(), Some("any-network".as_ref()), &set).expect("a good scene");
+        let scene = scenes::find(cohold_guest_laws::laws(), Some("any-network".as_ref()), &set).expect("a good scene");
         cells(&scene, &[network]).remove(0)
     };
     let [narrow, own] = ["bandwidth 110 kbit/s", "none"].map(network);
@@ -143,7 +143,7 @@ fn a_scene_of_several_axes_has_its_cells() {
         );
         assert!((several.push_peak_n().expect("a peak") / one.push_peak_n().expect("a peak") - 1.0).abs() < 1e-9);
     }
-    let plane = scenes::load(haptic_guest_laws::laws(), "plane").expect("a built-in scene");
+    let plane = scenes::load(cohold_guest_laws::laws(), "plane").expect("a built-in scene");
     let [plane] = &cells(&plane, &[network])[..] else { panic!("one cell") };
     assert!(plane.is_stable() && plane.mobility().is_some(), "{plane:?}");
 }

@@ -1,4 +1,4 @@
-use haptic_core::law::decimate::{Mean, Newest, OnePole};
+use cohold_core::law::decimate::{Mean, Newest, OnePole};
 
 use super::*;
 
@@ -24,7 +24,7 @@ fn the_worst_wave_is_that_of_the_closed_form() {
 fn no_random_wave_is_worse() {
     let settings = Settings::default();
     let most = worst::<OnePole<f64>>(&settings, pole(&settings));
-    let mut rng = haptic_sim::rng::Rng::new(1);
+    let mut rng = cohold_sim::rng::Rng::new(1);
     for _ in 0..200 {
         let wave: Vec<f64> = (0..8 * 25).map(|_| rng.unit() - 0.5).collect();
         let got = out_over_in::<OnePole<f64>>(&settings, |tick| wave[tick % wave.len()]);

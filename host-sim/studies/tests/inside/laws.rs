@@ -6,7 +6,7 @@ use super::*;
 /// there is not.
 #[test]
 fn laws_are_asked_for_by_name() {
-    let laws = haptic_guest_laws::laws();
+    let laws = cohold_guest_laws::laws();
     let names = |text: &str| asked_for(laws, text).map(|chosen| chosen.iter().map(|law| law.name).collect::<Vec<_>>());
     let all: Vec<&str> = laws.all().iter().map(|law| law.name).collect();
     assert_eq!(names("all").expect("laws"), all);
@@ -21,7 +21,7 @@ fn laws_are_asked_for_by_name() {
 /// Every law is tried in the same scene but for what it declares; what is set over that is set for all.
 #[test]
 fn every_law_has_the_same_scene_and_its_own_gains() {
-    let laws = haptic_guest_laws::laws();
+    let laws = cohold_guest_laws::laws();
     let common: Vec<_> = law_scene(laws, &laws.all()[0], None, &[]).expect("a scene").settings();
     for law in laws.all() {
         let scene = law_scene(laws, law, None, &["user.1.push_n=0.5".to_owned()]).expect("a scene");
@@ -55,12 +55,12 @@ fn a_packet_has_116_bytes() {
 mod outside {
     //! A crate outside, in small: the power-domain law under another name, which promises too much, and one that is not linear.
 
-    use haptic_core::configured;
-    use haptic_core::law::power::Power;
-    use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet};
-    use haptic_core::num::{Motion, Scalar};
-    use haptic_core::object::{Port, Solve, Staged};
-    use haptic_core::settings::{Promise, Refused, Settings};
+    use cohold_core::configured;
+    use cohold_core::law::power::Power;
+    use cohold_core::law::{Coupled, Law, LawInfo, Observation, Packet};
+    use cohold_core::num::{Motion, Scalar};
+    use cohold_core::object::{Port, Solve, Staged};
+    use cohold_core::settings::{Promise, Refused, Settings};
 
     const LAWS: [LawInfo; 2] = [
         LawInfo {
@@ -111,13 +111,13 @@ mod outside {
 
     pub(super) struct Family;
 
-    impl haptic_sim::Family for Family {
+    impl cohold_sim::Family for Family {
         type Of<S: Scalar> = Outside<S>;
     }
 }
 
 fn with_outside() -> Laws {
-    haptic_guest_laws::laws().with::<outside::Family>()
+    cohold_guest_laws::laws().with::<outside::Family>()
 }
 
 /// The rows of these laws over a network that loses nothing and one that does.
@@ -151,7 +151,7 @@ fn every_law_has_a_row_and_runs_as_it_was_judged() {
         let Ok(stability) = &row.stability else { continue };
         let stiffness = row.scene.peer.coordination.stiffness_n_per_m;
         let (verdict, name) = (row.own().verdict(), row.law.name);
-        if stability.coordination[0].is_stable(stiffness) && row.law.sends != haptic_core::law::Sends::Nothing {
+        if stability.coordination[0].is_stable(stiffness) && row.law.sends != cohold_core::law::Sends::Nothing {
             // How far apart a soft law leaves the copies is no matter of stability.
             assert!(!verdict.starts_with("NO"), "{name}: {verdict}, {:?}", row.own().reason());
         }
@@ -188,7 +188,7 @@ fn every_promise_is_kept_on_the_worst_networks() {
     const WORST: [&str; 4] = ["none", "bursts of 100 ms, 20 %", "delay step -100 ms", "all at once"];
     let worst: Vec<Named> = networks::IMPAIRMENTS.iter().copied().filter(|(name, _)| WORST.contains(name)).collect();
     assert_eq!(worst.len(), WORST.len());
-    let laws = haptic_guest_laws::laws();
+    let laws = cohold_guest_laws::laws();
     let chosen = asked_for(laws, "all").expect("laws");
     let mut promised = 0;
     for scene in law_scenes(laws, &chosen, None, &[]).expect("scenes") {
@@ -205,7 +205,7 @@ fn every_promise_is_kept_on_the_worst_networks() {
 /// THEORY §7: the largest K_LC of the midpoint peer at device delays of 0, 0.5 and 1 tick (K_T = 10⁴, mean of eight).
 #[test]
 fn the_largest_contact_is_that_of_the_theory() {
-    let laws = haptic_guest_laws::laws();
+    let laws = cohold_guest_laws::laws();
     let chosen = asked_for(laws, "passive-mean").expect("a law");
     for (delay, want) in [("0", 7295.0), ("0.5", 3511.0), ("1", 2318.0)] {
         let set = [format!("device.force_delay_ticks={delay}"), "coordination.stiffness_n_per_m=10000".to_owned()];

@@ -1,6 +1,6 @@
 //! Verdicts follow from numbers.
 
-use haptic_core::names::Choice;
+use cohold_core::names::Choice;
 
 use super::*;
 

@@ -1,13 +1,13 @@
 //! The fault campaign: what passive communications promise on any network, and a reviewed snapshot of the whole table.
 
-use haptic_sim::run::{Outcome, Verdict};
-use haptic_studies::campaign::{COMMS, Cell, campaign, columns};
+use cohold_sim::run::{Outcome, Verdict};
+use cohold_studies::campaign::{COMMS, Cell, campaign, columns};
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/campaign.txt");
 
 #[test]
 fn passive_comms_hold_on_every_network_and_the_table_is_as_reviewed() {
-    let cells = campaign(haptic_guest_laws::laws()).expect("the campaign runs");
+    let cells = campaign(cohold_guest_laws::laws()).expect("the campaign runs");
     for cell in cells.iter().filter(|cell| cell.passive) {
         let name = format!("{} over {}", cell.law, cell.network);
         let largest = |of: fn(&Outcome) -> f64| cell.outcomes.iter().map(of).fold(0.0, f64::max);

@@ -1,7 +1,7 @@
 //! What passivity costs, against closed forms: how late a sample is, and that a late line is heavy.
 
-use haptic_sim::run::{Outcome, Verdict};
-use haptic_studies::campaign::{CHOICES, Cell, costs};
+use cohold_sim::run::{Outcome, Verdict};
+use cohold_studies::campaign::{CHOICES, Cell, costs};
 
 const PACKET_MS: f64 = 8.0;
 const TICK_MS: f64 = 1.0;
@@ -21,7 +21,7 @@ fn added_ms(cost: &Cell) -> Option<f64> {
 
 #[test]
 fn every_cost_is_what_its_mechanism_must_cost() {
-    let mut costs = costs(haptic_guest_laws::laws()).expect("the table");
+    let mut costs = costs(cohold_guest_laws::laws()).expect("the table");
     // Closed forms are known where the network alone makes the delay; the self-timed line learns one of its own.
     costs.retain(|cost| cost.law != "self-timed");
     assert_eq!(costs.len(), 2 * (CHOICES.len() - 1));

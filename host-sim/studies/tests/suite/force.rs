@@ -2,12 +2,12 @@
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
-use haptic_sim::scene::Scene;
-use haptic_studies::force::{Command, HAND_HZ, HAND_M, Row, measure};
+use cohold_sim::scene::Scene;
+use cohold_studies::force::{Command, HAND_HZ, HAND_M, Row, measure};
 
 fn scene(keys: &[&str]) -> Scene {
     let keys: Vec<String> = keys.iter().map(|key| key.to_string()).collect();
-    Scene::load(haptic_guest_laws::laws(), None, &keys).expect("a good scene")
+    Scene::load(cohold_guest_laws::laws(), None, &keys).expect("a good scene")
 }
 
 fn row(rows: &[Row], command: Command) -> &Row {

@@ -1,14 +1,14 @@
 //! Number types along several shared axes: where nothing couples them, each strays as it does alone, and the worst is named.
 
-use haptic_sim::run::AXIS_NAMES;
-use haptic_sim::{scene::Scene, scenes};
-use haptic_studies::precision::{Precision, Verdict, measure};
+use cohold_sim::run::AXIS_NAMES;
+use cohold_sim::{scene::Scene, scenes};
+use cohold_studies::precision::{Precision, Verdict, measure};
 
 const SECONDS: f64 = 3.0;
 
 fn scene(keys: &[&str]) -> Scene {
     let keys: Vec<String> = keys.iter().map(|key| key.to_string()).collect();
-    Scene::load(haptic_guest_laws::laws(), None, &keys).expect("a good scene")
+    Scene::load(cohold_guest_laws::laws(), None, &keys).expect("a good scene")
 }
 
 fn of(scene: &Scene) -> Precision {
@@ -87,7 +87,7 @@ fn axes_that_are_pushed_alike_stray_as_one_does() {
 #[test]
 fn axes_that_joints_couple_have_a_worst_one() {
     for name in ["plane", "space"] {
-        let mut scene = scenes::load(haptic_guest_laws::laws(), name).expect("built in");
+        let mut scene = scenes::load(cohold_guest_laws::laws(), name).expect("built in");
         // Read and driven exactly: counts of an encoder hide what is rounded.
         for key in ["plant.encoder=false", "plant.motor=false", "plant.winding=false", "axis.velocity=measured"] {
             scene.apply_override(key).expect("a good key");

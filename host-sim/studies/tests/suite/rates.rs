@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use haptic_core::names::Choice;
-use haptic_sim::measure::at_hand;
-use haptic_sim::{scene::Scene, scenes};
-use haptic_studies::bench::motions::Motion;
-use haptic_studies::networks::{Network, TEST};
+use cohold_core::names::Choice;
+use cohold_sim::measure::at_hand;
+use cohold_sim::{scene::Scene, scenes};
+use cohold_studies::bench::motions::Motion;
+use cohold_studies::networks::{Network, TEST};
 
 /// True discrepancy and way, mm, and the largest force at a hand, N: means of so many seeds.
 fn figures(scene: &Scene, motion: Motion, seeds: u32) -> [f64; 3] {
@@ -33,7 +33,7 @@ fn compare(networks: &[Network], seeds: u32, [true_m, way, force]: [f64; 3]) {
                     format!("timing.ticks_per_packet={per_ms}"),
                 ];
                 let scene =
-                    scenes::find(haptic_guest_laws::laws(), Some(Path::new("any-network")), &keys).expect("a scene");
+                    scenes::find(cohold_guest_laws::laws(), Some(Path::new("any-network")), &keys).expect("a scene");
                 figures(&network.over(&scene).expect("a network"), motion, seeds)
             };
             let [one, others @ ..] = [1, 2, 4].map(at);
@@ -57,7 +57,7 @@ fn a_scene_is_the_same_at_any_rate() {
     compare(&networks, 1, [0.05, 0.05, 0.07]);
 }
 
-/// Three minutes of processor time in release: `cargo test --release -p haptic-studies --test suite rates -- --ignored --nocapture`.
+/// Three minutes of processor time in release: `cargo test --release -p cohold-studies --test suite rates -- --ignored --nocapture`.
 #[test]
 #[ignore = "takes minutes"]
 fn a_scene_is_the_same_at_any_rate_over_all_networks() {

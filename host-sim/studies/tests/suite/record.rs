@@ -1,9 +1,9 @@
 //! A recording, replayed without the scene around it, computes what the peer computed there.
 
-use haptic_cases::replay;
-use haptic_sim::scene::Scene;
-use haptic_sim::scenes;
-use haptic_studies::record::record;
+use cohold_cases::replay;
+use cohold_sim::scene::Scene;
+use cohold_sim::scenes;
+use cohold_studies::record::record;
 
 fn replayed(bytes: &[u8]) -> Result<(u64, u64), replay::Unreadable> {
     let mut left = bytes;
@@ -27,7 +27,7 @@ fn assert_replayed(scene: &Scene, name: &str) {
 #[test]
 fn a_replay_is_the_scene_again() {
     for (name, _) in scenes::ALL {
-        let scene = scenes::load(haptic_guest_laws::laws(), name).expect("a built-in scene");
+        let scene = scenes::load(cohold_guest_laws::laws(), name).expect("a built-in scene");
         assert_replayed(&scene, name);
     }
 }
@@ -35,7 +35,7 @@ fn a_replay_is_the_scene_again() {
 /// What its packets count in ticks is in the recording, too.
 #[test]
 fn a_replay_of_a_line_with_a_time_of_its_own() {
-    let mut scene = scenes::load(haptic_guest_laws::laws(), "any-network").expect("a built-in scene");
+    let mut scene = scenes::load(cohold_guest_laws::laws(), "any-network").expect("a built-in scene");
     for text in [
         "coordination.comm=self-timed",
         "coordination.ledger=false",
@@ -50,7 +50,7 @@ fn a_replay_of_a_line_with_a_time_of_its_own() {
 
 #[test]
 fn one_count_in_one_tick_changes_the_hash() {
-    let scene = scenes::load(haptic_guest_laws::laws(), "real-device").expect("a built-in scene");
+    let scene = scenes::load(cohold_guest_laws::laws(), "real-device").expect("a built-in scene");
     let recording = record(&scene, 1, 20).expect("a good scene");
     let mut broken = recording.bytes.clone();
     // Settings, home, and the first tick: flags and counts.

@@ -2,22 +2,22 @@
 
 use std::path::Path;
 
-use haptic_sim::run::{Options, Until, run};
-use haptic_sim::scene::Scene;
-use haptic_sim::scenes;
-use haptic_studies::entrant::Entrant;
-use haptic_studies::networks::Network;
-use haptic_studies::study::answers::{Bound, Counts, Goal, metric};
-use haptic_studies::study::{Place, Study};
-use haptic_studies::sweep::{Axis, METRICS, Plan, Row, Sweep};
+use cohold_sim::run::{Options, Until, run};
+use cohold_sim::scene::Scene;
+use cohold_sim::scenes;
+use cohold_studies::entrant::Entrant;
+use cohold_studies::networks::Network;
+use cohold_studies::study::answers::{Bound, Counts, Goal, metric};
+use cohold_studies::study::{Place, Study};
+use cohold_studies::sweep::{Axis, METRICS, Plan, Row, Sweep};
 
 fn scene(name: &str, set: &[&str]) -> Scene {
     let set: Vec<String> = set.iter().map(|text| (*text).to_owned()).collect();
-    scenes::find(haptic_guest_laws::laws(), Some(Path::new(name)), &set).expect("a scene")
+    scenes::find(cohold_guest_laws::laws(), Some(Path::new(name)), &set).expect("a scene")
 }
 
 fn entrant(name: &str) -> Entrant {
-    Entrant::of(haptic_guest_laws::laws(), name, None, &[], None).expect("an entrant")
+    Entrant::of(cohold_guest_laws::laws(), name, None, &[], None).expect("an entrant")
 }
 
 fn over(names: &[&str]) -> Vec<Network> {

@@ -2,7 +2,7 @@
 
 use super::Play;
 use super::socket::Socket;
-use crate::program::host_sim;
+use crate::program::cohold;
 
 /// What is printed: addresses of this machine, then of the network, which hold one hand and watch, and a code. Each holds what it says at the
 /// door it is for, and none opens the operator's role from the network.
@@ -45,7 +45,7 @@ fn what_cannot_be_served_is_refused_in_a_line() {
         (&["--lan", "::1"], "--lan ::1 is not allowed: invalid IPv4 address"),
         (&["--lan", "127.0.0.1", "--board", "simulated"], "cannot be used with"),
     ] {
-        let output = host_sim(&["play", "--seconds", "1"]).args(arguments).output().expect("host-sim runs");
+        let output = cohold(&["play", "--seconds", "1"]).args(arguments).output().expect("cohold runs");
         let error = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() == Some(2) && error.contains(says) && !error.contains("http://"), "{error}");
     }

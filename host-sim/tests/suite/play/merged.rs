@@ -4,12 +4,12 @@ use std::f32::consts::TAU;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use haptic_live::recording::file::{Recording, read};
+use cohold_live::recording::file::{Recording, read};
 use serde_json::Value;
 
 use super::Play;
 use super::socket::Socket;
-use crate::program::{Keys, free, host_sim, report};
+use crate::program::{Keys, cohold, free, report};
 
 /// A copy of the object while its peer was armed: times by the machine's steady clock, s, and where it was, m.
 fn course(recording: &Recording, number: u8) -> Vec<[f64; 2]> {
@@ -33,13 +33,13 @@ fn apart_mm(instants_s: &[f64], [one, two]: [&[[f64; 2]]; 2]) -> f64 {
 }
 
 fn merge(files: &[&Path]) -> Value {
-    report(host_sim(&["recording", "merge", "--json"]).args(files).spawn().expect("host-sim runs"))
+    report(cohold(&["recording", "merge", "--json"]).args(files).spawn().expect("cohold runs"))
 }
 
 /// What `recording merge` says to what it refuses.
 #[track_caller]
 fn refused(files: &[&Path], says: &str) {
-    let output = host_sim(&["recording", "merge"]).args(files).output().expect("host-sim runs");
+    let output = cohold(&["recording", "merge"]).args(files).output().expect("cohold runs");
     let error = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.code() == Some(2) && error.contains(says), "{error}");
 }
@@ -99,7 +99,7 @@ fn recordings_of_two_pages_are_merged() {
     let file = both.display().to_string();
     Play::start(&["--json", "--seconds", "1", "--record", &file]).report();
     let whole =
-        "the recording of both peers holds both ends already, on one clock: `host-sim recording merge` takes it alone";
+        "the recording of both peers holds both ends already, on one clock: `cohold recording merge` takes it alone";
     refused(&[&both, two], whole);
     refused(&[one, &both], whole);
     assert_eq!(merge(&[&both])["instants"], 1000);
@@ -113,10 +113,10 @@ fn recordings_of_a_page_and_of_a_peer_are_merged() {
     let page =
         Play::start(&["--json", "--listen", &at, "--key-file", &keys.file(0), "--seconds", "9", "--record", &page]);
     let peer =
-        host_sim(&["peer", "--quiet", "--json", "--number", "2", "--listen", &own, "--connect", &at, "--seconds", "4"])
+        cohold(&["peer", "--quiet", "--json", "--number", "2", "--listen", &own, "--connect", &at, "--seconds", "4"])
             .args(["--key-file", &keys.file(0), "--record", &peer, "--scene", "any-network"])
             .spawn()
-            .expect("host-sim runs");
+            .expect("cohold runs");
     let mut hand = Socket::open(&page.addresses[1]).expect("it is let in");
     let start = Instant::now();
     while start.elapsed() < Duration::from_secs(7) {

@@ -25,7 +25,7 @@ use devtools::{Browser, Window, drag, middle};
 use serde_json::json;
 use socket::Socket;
 
-use crate::program::host_sim;
+use crate::program::cohold;
 
 /// The program that serves the page, gone when dropped.
 struct Play {
@@ -46,7 +46,7 @@ impl Play {
 
     /// As somebody who says just this.
     fn plainly(arguments: &[&str]) -> Self {
-        let mut child = host_sim(&[&["play"], arguments].concat()).spawn().expect("host-sim runs");
+        let mut child = cohold(&[&["play"], arguments].concat()).spawn().expect("cohold runs");
         let mut said = BufReader::new(child.stderr.take().expect("its errors are kept"));
         let address = |line: String| line.split_once("http://").map(|(_, rest)| format!("http://{rest}"));
         let lines = said.by_ref().lines().map_while(Result::ok);
@@ -120,7 +120,7 @@ fn it_ends_when_it_is_asked_to() {
 #[test]
 #[ignore = "takes minutes, and tells of the machine"]
 fn how_punctual_and_how_soon() {
-    let seconds = std::env::var("HAPTIC_MEASURE_S").unwrap_or_else(|_| "60".into());
+    let seconds = std::env::var("COHOLD_MEASURE_S").unwrap_or_else(|_| "60".into());
     println!(
         "| pages | watchers | ticks | late | worst, ms | pointer to picture, ms at 50 and 95 % | frames a second |"
     );

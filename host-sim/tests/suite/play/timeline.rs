@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use haptic_live::recording::origin::Origin;
-use haptic_live::recording::recorder::Recorder;
-use haptic_live::recording::ticks;
+use cohold_live::recording::origin::Origin;
+use cohold_live::recording::recorder::Recorder;
+use cohold_live::recording::ticks;
 
 use super::{Browser, Play, Window, click, folder, middle, set};
-use crate::program::host_sim;
+use crate::program::cohold;
 
 /// How far the copies are apart at the moment that is shown, mm: as the page writes it, as it draws it, and in the CSV that it exports.
 fn apart(browser: &mut Browser, window: &Window) -> [f64; 3] {
@@ -261,7 +261,7 @@ fn a_merge_is_opened() {
     let [one, two, out] = ["one", "two", "both"].map(|name| folder.join(format!("{name}.mcap")));
     peer(0, &one);
     peer(1, &two);
-    let merged = host_sim(&["recording", "merge", text(&one), text(&two), text(&out)]).output().expect("host-sim runs");
+    let merged = cohold(&["recording", "merge", text(&one), text(&two), text(&out)]).output().expect("cohold runs");
     assert!(merged.status.success(), "{}", String::from_utf8_lossy(&merged.stderr));
     let play = Play::start(&["--open", text(&out)]);
     let mut browser = Browser::start(folder.join("profile"));
@@ -293,12 +293,12 @@ fn a_merge_is_opened() {
     let bytes = std::fs::read(&out).expect("a file");
     let (cut, none) = (folder.join("cut.mcap"), folder.join("none.mcap"));
     std::fs::write(&cut, &bytes[..bytes.len() / 2]).expect("a file");
-    let said = host_sim(&["play", "--open", text(&cut), "--seconds", "0.1"]).output().expect("host-sim runs");
+    let said = cohold(&["play", "--open", text(&cut), "--seconds", "0.1"]).output().expect("cohold runs");
     let error = String::from_utf8_lossy(&said.stderr);
     assert!(said.status.success() && error.contains("cut.mcap: the recording was cut"), "{error}");
     std::fs::write(&none, "no recording").expect("a file");
     for (file, why) in [(&none, "this is no recording"), (&folder.join("away.mcap"), "cannot read")] {
-        let said = host_sim(&["play", "--open", text(file)]).output().expect("host-sim runs");
+        let said = cohold(&["play", "--open", text(file)]).output().expect("cohold runs");
         let error = String::from_utf8_lossy(&said.stderr);
         let named = error.contains(text(file)) && error.contains(why);
         assert!(said.status.code() == Some(2) && named && error.trim().lines().count() == 1, "{error}");
@@ -312,12 +312,12 @@ fn a_fault_is_opened() {
     let folder = fresh("fault");
     let file = folder.join("fault.mcap");
     let pushes = ["--set=user.1.push_n=5", "--set=user.2.push_n=-5", "--set=safety.max_speed_m_per_s=0.2"];
-    let run = host_sim(&["cooperate", "--json", "--scene=any-network", "--seconds=2"])
+    let run = cohold(&["cooperate", "--json", "--scene=any-network", "--seconds=2"])
         .args(pushes)
         .arg("--record")
         .arg(&file)
         .output();
-    assert_eq!(run.expect("host-sim runs").status.code(), Some(1));
+    assert_eq!(run.expect("cohold runs").status.code(), Some(1));
     let play = Play::start(&["--open", text(&file)]);
     let mut browser = Browser::start(folder.join("profile"));
     let page = browser.open(&play.addresses[0]);
@@ -367,11 +367,11 @@ fn ten_minutes_are_opened() {
     let hands = [hand(1), hand(2)].concat();
     let hands: Vec<&str> = hands.iter().map(String::as_str).collect();
     let swing = ["--set", "user.1.sine_n=0.5", "--set", "user.2.pulse_n=2", "--seconds", "600", "--json"];
-    let run = host_sim(&[&scene[..], &hands[..], &swing[..], &["--record", text(&file)]].concat())
+    let run = cohold(&[&scene[..], &hands[..], &swing[..], &["--record", text(&file)]].concat())
         .output()
-        .expect("host-sim runs");
+        .expect("cohold runs");
     assert!(file.exists(), "{}", String::from_utf8_lossy(&run.stderr));
-    let made = host_sim(&["recording", "convert", text(&file), text(&table)]).output().expect("host-sim runs");
+    let made = cohold(&["recording", "convert", text(&file), text(&table)]).output().expect("cohold runs");
     assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
     // From the raw columns, by their time.
     let raw = std::fs::read_to_string(&table).expect("a table");

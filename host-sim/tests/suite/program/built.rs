@@ -11,7 +11,7 @@ const EXAMPLES: [&str; 5] = ["device", "observer", "outside-command", "outside-l
 pub(crate) fn built() -> &'static Path {
     static PROGRAMS: LazyLock<PathBuf> = LazyLock::new(|| {
         let repository = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the repository");
-        let target = Path::new(env!("CARGO_BIN_EXE_host-sim")).ancestors().nth(2).expect("a target folder");
+        let target = Path::new(env!("CARGO_BIN_EXE_cohold")).ancestors().nth(2).expect("a target folder");
         let mut cargo = Command::new(env!("CARGO"));
         cargo.args(["build", "--locked", "--offline"]).current_dir(repository).env("CARGO_TARGET_DIR", target);
         for name in EXAMPLES {

@@ -1,4 +1,4 @@
-//! host-sim as a user runs it: programs, addresses and keys, for every test that starts processes with lines of their own.
+//! cohold as a user runs it: programs, addresses and keys, for every test that starts processes with lines of their own.
 
 pub(crate) mod built;
 mod free;
@@ -9,8 +9,8 @@ use std::process::{Child, Command, Stdio};
 use serde_json::Value;
 
 /// The program with these arguments, its output kept.
-pub(crate) fn host_sim(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+pub(crate) fn cohold(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cohold"));
     command.args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped());
     command
 }
@@ -38,7 +38,7 @@ impl Keys {
         let _ = std::fs::remove_dir_all(&folder);
         std::fs::create_dir_all(&folder).expect("a folder for keys");
         let keys = Self(folder);
-        let run = |arguments: &[&str]| assert!(host_sim(arguments).status().expect("host-sim runs").success());
+        let run = |arguments: &[&str]| assert!(cohold(arguments).status().expect("cohold runs").success());
         run(&["key", "generate", &keys.file(0)]);
         for line in 1..=lines {
             run(&["key", "generate", &keys.file(line), "--line", &line.to_string(), "--of", &keys.file(0)]);

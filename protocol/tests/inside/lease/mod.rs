@@ -4,7 +4,7 @@
 //! shortest sequence of actions.
 //!
 //! docs/security.md states bounds and counts of states, and the tests read them there. The command for larger bounds:
-//! `cargo test --release -p haptic-protocol --lib lease -- --ignored`.
+//! `cargo test --release -p cohold-protocol --lib lease -- --ignored`.
 
 mod world;
 

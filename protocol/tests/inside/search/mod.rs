@@ -9,7 +9,7 @@
 //! starts anew once, the operator says one line. States that print alike are taken for the same, by a hash of 64 bits.
 //!
 //! One step deeper, a minute or two of processor time:
-//! `cargo test --release -p haptic-protocol --lib search -- --ignored --nocapture`.
+//! `cargo test --release -p cohold-protocol --lib search -- --ignored --nocapture`.
 
 mod explore;
 mod mistakes;

@@ -1,8 +1,8 @@
 //! Datagrams whose tag is right and whose message is none: numbers that are none, lengths, kinds and bits that version 4 does
 //! not know. A `Link` never says such things, so they are sealed here by a second implementation ([`crate::protocol::format`]).
 
-use haptic_protocol::link::{Error, Link, Stage};
-use haptic_protocol::wire::{self, AxisFlow, Flow, MAX_DATAGRAM, Message};
+use cohold_protocol::link::{Error, Link, Stage};
+use cohold_protocol::wire::{self, AxisFlow, Flow, MAX_DATAGRAM, Message};
 
 use crate::protocol::format::{GREETING, Session, hello, hello_with};
 use crate::protocol::world::{CLEAN, PERIOD, Rng, World, config};

@@ -1,6 +1,6 @@
 //! The other peer's clock: offset, drift and jitter as they are, and never nonsense.
 
-use haptic_protocol::clock::{Clock, Implausible};
+use cohold_protocol::clock::{Clock, Implausible};
 use proptest::prelude::*;
 
 use crate::protocol::world::{CLEAN, Impairment, World};

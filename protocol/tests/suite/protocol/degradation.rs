@@ -1,7 +1,7 @@
 //! The degradation by silence as a link climbs down it, and what comes after.
 
-use haptic_protocol::link::{Link, Notice, Stage};
-use haptic_protocol::wire::Telemetry;
+use cohold_protocol::link::{Link, Notice, Stage};
+use cohold_protocol::wire::Telemetry;
 
 use crate::protocol::world::{CLEAN, PERIOD, World, config};
 

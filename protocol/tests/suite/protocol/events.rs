@@ -1,7 +1,7 @@
 //! Reliable events: once, in order, whatever the wire does; and the flow does not wait for them.
 
-use haptic_protocol::link::{EVENTS, Full, Notice, Stage};
-use haptic_protocol::wire::Event;
+use cohold_protocol::link::{EVENTS, Full, Notice, Stage};
+use cohold_protocol::wire::Event;
 
 use crate::protocol::world::{Impairment, World};
 

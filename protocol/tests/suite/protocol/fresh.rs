@@ -1,10 +1,10 @@
 //! Fresh or nothing: whoever holds back, stretches or carries over what two peers say makes nothing of it count. Nobody here has
 //! the key but the two peers.
 
-use haptic_protocol::lease::Word;
-use haptic_protocol::lines::{FRESH_US, Heard, Lines};
-use haptic_protocol::link::{Error, Link, Notice, Stage};
-use haptic_protocol::wire::{Flow, Greeting, Header, MAX_DATAGRAM, Message, Telemetry};
+use cohold_protocol::lease::Word;
+use cohold_protocol::lines::{FRESH_US, Heard, Lines};
+use cohold_protocol::link::{Error, Link, Notice, Stage};
+use cohold_protocol::wire::{Flow, Greeting, Header, MAX_DATAGRAM, Message, Telemetry};
 
 use crate::protocol::world::{CLEAN, Impairment, PERIOD, World, config};
 

@@ -2,9 +2,9 @@
 
 use std::collections::HashSet;
 
-use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, ConfigError, Error, Link, Notice, Stage};
-use haptic_protocol::wire::MAX_DATAGRAM;
+use cohold_protocol::key::Key;
+use cohold_protocol::link::{Config, ConfigError, Error, Link, Notice, Stage};
+use cohold_protocol::wire::MAX_DATAGRAM;
 
 use crate::protocol::world::{CLEAN, Impairment, Rng, World, config, parameters, state};
 

@@ -1,6 +1,6 @@
 //! Keys as flash keeps them.
 
-use haptic_protocol::key::{Key, Role};
+use cohold_protocol::key::{Key, Role};
 
 #[test]
 fn an_image_leads_back_to_its_key_and_to_no_other() {

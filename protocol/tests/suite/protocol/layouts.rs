@@ -1,11 +1,11 @@
 //! Every message as bytes that were written down by hand, and what version 4 refuses.
 
-use haptic_protocol::wire::{
+use cohold_protocol::wire::{
     Ack, Ask, AxisFlow, Bits, Error, Event, Flow, Flow2, Flow3, Goodbye, Greeting, GreetingKind, Header, MAX_MESSAGE,
     Message, Moved, Page, Part, Payload, PeerId, Presence, Probe, Push, Reply, Sample, Sighting, Stamps, TABLES,
     Telemetry, Topic,
 };
-use haptic_protocol::wire::{Manifest, Scope};
+use cohold_protocol::wire::{Manifest, Scope};
 
 /// The message is these bytes, and they are the message.
 fn is(message: impl Into<Message>, bytes: &[u8]) {

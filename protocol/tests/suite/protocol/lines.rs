@@ -1,8 +1,8 @@
 //! Lines: one server and more clients than there are peer numbers, each with its own key.
 
-use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Error, Link};
-use haptic_protocol::wire::{Greeting, Header, MAX_DATAGRAM, Message, Presence, Sighting};
+use cohold_protocol::key::Key;
+use cohold_protocol::link::{Config, Error, Link};
+use cohold_protocol::wire::{Greeting, Header, MAX_DATAGRAM, Message, Presence, Sighting};
 
 use crate::protocol::world::config;
 

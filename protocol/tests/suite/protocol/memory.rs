@@ -1,7 +1,7 @@
 //! Bounded memory: a link is one value of fixed size, and what it keeps beyond keys is a few bounded lists.
 
-use haptic_protocol::link::{Link, Notice};
-use haptic_protocol::wire::{Event, MAX_DATAGRAM};
+use cohold_protocol::link::{Link, Notice};
+use cohold_protocol::wire::{Event, MAX_DATAGRAM};
 
 use crate::protocol::world::{CLEAN, World};
 

@@ -1,12 +1,12 @@
 //! Every parser against anything: no panic, one encoding only, and nothing changed by what is refused.
 
-use haptic_protocol::link::Link;
-use haptic_protocol::wire::{
+use cohold_protocol::link::Link;
+use cohold_protocol::wire::{
     Ack, Ask, AxisFlow, Bits, Event, Flow, Flow2, Flow3, Goodbye, Greeting, GreetingKind, Header, MAX_DATAGRAM,
     MAX_MESSAGE, Message, Moved, Page, Part, Payload, PeerId, Presence, Probe, Push, Reply, Sample, Sighting, TABLES,
     Telemetry, Topic, VERSION,
 };
-use haptic_protocol::wire::{Manifest, Scope};
+use cohold_protocol::wire::{Manifest, Scope};
 use proptest::prelude::*;
 
 use crate::protocol::world::{World, config, state};

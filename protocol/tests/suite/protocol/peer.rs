@@ -1,13 +1,13 @@
-//! Packets of haptic-core on the wire, and what two peers must be configured with alike.
+//! Packets of cohold-core on the wire, and what two peers must be configured with alike.
 
-use haptic_core::law::bounds::Bounds;
-use haptic_core::law::{AnyLaw, Law, Packet};
-use haptic_core::num::Motion;
-use haptic_core::schema::Schema;
-use haptic_core::settings::{Allowed, Settings, Value};
-use haptic_protocol::link::Error;
-use haptic_protocol::peer::{Inbox, flow_of, packets_of, parameters_of};
-use haptic_protocol::wire::{AxisFlow, Flow, Flow3, Message};
+use cohold_core::law::bounds::Bounds;
+use cohold_core::law::{AnyLaw, Law, Packet};
+use cohold_core::num::Motion;
+use cohold_core::schema::Schema;
+use cohold_core::settings::{Allowed, Settings, Value};
+use cohold_protocol::link::Error;
+use cohold_protocol::peer::{Inbox, flow_of, packets_of, parameters_of};
+use cohold_protocol::wire::{AxisFlow, Flow, Flow3, Message};
 use proptest::prelude::*;
 
 #[test]
@@ -32,7 +32,7 @@ fn packets_survive_the_way() {
 #[test]
 fn what_is_each_devices_own_may_differ_and_nothing_else() {
     let settings = Settings::default();
-    let schema = Schema::new(haptic_laws::LAWS);
+    let schema = Schema::new(cohold_laws::LAWS);
     for key in schema.keys() {
         let now = schema.get(&settings, key.name).expect("a listed key has a value");
         let other = |values: &[Value<'static>]| values.iter().copied().find(|value| *value != now);

@@ -2,8 +2,8 @@
 
 use std::collections::HashSet;
 
-use haptic_protocol::link::Error;
-use haptic_protocol::replay::{SEQUENCE_LIMIT, Window};
+use cohold_protocol::link::Error;
+use cohold_protocol::replay::{SEQUENCE_LIMIT, Window};
 use proptest::prelude::*;
 
 /// Takes each number in turn and compares with what is wanted.

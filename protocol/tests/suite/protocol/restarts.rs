@@ -1,7 +1,7 @@
 //! Peers restart at any instant, 10,000 times, and always find each other again: from zero, within half a second.
 
-use haptic_protocol::link::{Link, Notice, Stage};
-use haptic_protocol::wire::MAX_DATAGRAM;
+use cohold_protocol::link::{Link, Notice, Stage};
+use cohold_protocol::wire::MAX_DATAGRAM;
 
 use crate::protocol::world::{CLEAN, Impairment, World, config, state};
 

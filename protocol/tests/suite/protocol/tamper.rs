@@ -1,10 +1,10 @@
 //! Every single-bit flip, truncation and extension of every message, and every datagram that was sent to someone else, in
 //! another session or before: refused, and nothing has changed.
 
-use haptic_protocol::ends::Ends;
-use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Error, Link};
-use haptic_protocol::wire::{AxisFlow, Event, Flow, MAX_DATAGRAM, PeerId, Telemetry};
+use cohold_protocol::ends::Ends;
+use cohold_protocol::key::Key;
+use cohold_protocol::link::{Config, Error, Link};
+use cohold_protocol::wire::{AxisFlow, Event, Flow, MAX_DATAGRAM, PeerId, Telemetry};
 
 use crate::protocol::world::{PERIOD, Rng, World, config, state};
 

@@ -1,12 +1,12 @@
 //! Lines of text over links that lose.
 
-use haptic_protocol::ends::Ends;
-use haptic_protocol::key::Key;
-use haptic_protocol::lease::Word;
-use haptic_protocol::lines::{LONGEST, Lines};
-use haptic_protocol::link::{Config, Link};
-use haptic_protocol::parameters::Parameters;
-use haptic_protocol::wire::{MAX_DATAGRAM, PeerId};
+use cohold_protocol::ends::Ends;
+use cohold_protocol::key::Key;
+use cohold_protocol::lease::Word;
+use cohold_protocol::lines::{LONGEST, Lines};
+use cohold_protocol::link::{Config, Link};
+use cohold_protocol::parameters::Parameters;
+use cohold_protocol::wire::{MAX_DATAGRAM, PeerId};
 
 fn link(local: u8, remote: u8) -> Link {
     Link::new(Config {

@@ -1,10 +1,10 @@
 //! Two links and the wire between them, impaired as a test asks, from one seed.
 
-use haptic_protocol::ends::Ends;
-use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Link, Notice, Stage};
-use haptic_protocol::parameters::{Parameters, Table};
-use haptic_protocol::wire::{AxisFlow, Event, Flow, MAX_DATAGRAM, Message, PeerId};
+use cohold_protocol::ends::Ends;
+use cohold_protocol::key::Key;
+use cohold_protocol::link::{Config, Link, Notice, Stage};
+use cohold_protocol::parameters::{Parameters, Table};
+use cohold_protocol::wire::{AxisFlow, Event, Flow, MAX_DATAGRAM, Message, PeerId};
 
 pub(crate) use super::random::Rng;
 

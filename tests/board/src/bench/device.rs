@@ -1,11 +1,11 @@
-//! A device on a board: host-sim's plant behind the board's encoders and bridges.
+//! A device on a board: cohold's plant behind the board's encoders and bridges.
 
 use std::sync::{Arc, Mutex, MutexGuard};
 
-use haptic_core::device::motor::Duty;
-use haptic_core::device::velocity::VelocityName;
-use haptic_core::names::MotorDrive;
-use haptic_sim::scene::Scene;
+use cohold_core::device::motor::Duty;
+use cohold_core::device::velocity::VelocityName;
+use cohold_core::names::MotorDrive;
+use cohold_sim::scene::Scene;
 
 use crate::part::motors::{Act, Motors, has_loop};
 use crate::part::{Bridges, MOTORS};

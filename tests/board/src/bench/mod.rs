@@ -1,9 +1,9 @@
 //! Two boards, their devices and a PC on one wire, running a scene.
 //!
 //! Time goes in steps of a control period that end in the middle between two ticks. At every stop, in this order: frames that left go
-//! onto the wire and those that arrived come off it; each device (host-sim's plant) moves by one period under what its
+//! onto the wire and those that arrived come off it; each device (cohold's plant) moves by one period under what its
 //! board's bridges are commanded; its encoder begins to turn there. So a device does on the bench exactly what it does
-//! in host-sim's harness, and what is compared is the board.
+//! in cohold's harness, and what is compared is the board.
 //!
 //! What a person does there stands in `person.rs`, what a device is on a board in `device.rs`.
 
@@ -13,10 +13,10 @@ mod person;
 use std::ops::Range;
 use std::sync::Arc;
 
+use cohold_core::safety::Mode;
+use cohold_sim::scene::Scene;
 use device::Device;
 use firmware_parts::record::Record;
-use haptic_core::safety::Mode;
-use haptic_sim::scene::Scene;
 
 use crate::cost::{LOOP, Meter, TICK};
 use crate::image::Firmware;
@@ -148,7 +148,7 @@ impl Bench {
             first(inputs);
         }
         bench.run_to(ms * PERIOD_NS);
-        // Images take different times to start, and host-sim's peers begin at the same time.
+        // Images take different times to start, and cohold's peers begin at the same time.
         let began = bench.stopped.iter().map(|stopped| stopped.hits.first().expect("the tick runs").at.0);
         let latest = began.clone().max().expect("a board");
         bench.late_ns = began.map(|began| latest - began).map(|late| if late < 100_000 { 0 } else { late }).collect();

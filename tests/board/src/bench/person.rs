@@ -4,13 +4,13 @@
 //! Settings go to the boards as a person's would: lines of text to the operator's port, then `apply`, then `check`, then `arm`.
 //! For the check, and for any probe, the devices are let go of: [`Bench::let_go`]. Armed boards engage step by step once they
 //! hear each other; until they are engaged the hands hold still, and there the experiment begins: from rest and with the
-//! coordination acting in full, as host-sim begins its own.
+//! coordination acting in full, as cohold begins its own.
 
+use cohold_cli::Failure;
+use cohold_core::names::Choice;
+use cohold_core::settings::{Settings, Value};
+use cohold_sim::scene::{PlantFault, Scene};
 use firmware_parts::record::ENGAGED;
-use haptic_cli::Failure;
-use haptic_core::names::Choice;
-use haptic_core::settings::{Settings, Value};
-use haptic_sim::scene::{PlantFault, Scene};
 
 use super::device::Device;
 use super::{Bench, PERIOD_NS};

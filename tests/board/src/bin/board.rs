@@ -1,4 +1,4 @@
-//! `cargo xtask board`: two virtual boards run a scene; a table beside host-sim's, curves, pictures.
+//! `cargo xtask board`: two virtual boards run a scene; a table beside cohold's, curves, pictures.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -7,18 +7,18 @@ use std::sync::Arc;
 use board_bench::image::Firmware;
 use board_bench::trial::{self, Trial};
 use clap::Parser;
-use haptic_cli::provenance;
-use haptic_report::{Columns, Files};
-use haptic_sim::Laws;
-use haptic_sim::run::Outcome;
-use haptic_sim::scenes;
-use haptic_studies::figures;
+use cohold_cli::provenance;
+use cohold_report::{Columns, Files};
+use cohold_sim::Laws;
+use cohold_sim::run::Outcome;
+use cohold_sim::scenes;
+use cohold_studies::figures;
 use serde_json::json;
 
 /// The scene that is run without `--scene`: the cooperation paper's §5.2, passive wave.
 const USUAL: &str = "paper-5.2-passive-wave-16ms";
 
-/// Two virtual NUCLEO-H743ZI2 run the unmodified release image, on one wire, closed around host-sim's devices.
+/// Two virtual NUCLEO-H743ZI2 run the unmodified release image, on one wire, closed around cohold's devices.
 #[derive(Debug, Parser)]
 #[command(name = "cargo xtask board")]
 struct Arguments {
@@ -49,7 +49,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(arguments: &Arguments) -> Result<(), haptic_cli::Failure> {
+fn run(arguments: &Arguments) -> Result<(), cohold_cli::Failure> {
     if !(arguments.seconds >= 1.0 && arguments.seconds <= 3600.0) {
         return Err(
             format!("--seconds {} is not allowed: it must be a number from 1 to 3600", arguments.seconds).into()
@@ -90,7 +90,7 @@ fn fault(outcome: &Outcome) -> Option<String> {
 }
 
 fn document(name: &str, trial: &Trial, written: &[PathBuf]) -> serde_json::Value {
-    let Trial { boards, host_sim, .. } = trial;
+    let Trial { boards, cohold, .. } = trial;
     json!({
         "scene": name,
         "stable": boards.is_stable(),
@@ -103,12 +103,12 @@ fn document(name: &str, trial: &Trial, written: &[PathBuf]) -> serde_json::Value
         "energy_made_mj": boards.metric(Outcome::energy_made_mj),
         "peer_energy_made_mj": boards.metric(Outcome::peer_energy_made_mj).flatten(),
         "fault": fault(boards),
-        "host_sim": {
-            "reason": host_sim.reason.map(|reason| reason.to_string()),
-            "decoded_discrepancy_mm": host_sim.metric(|o| o.whole.decoded_discrepancy_mm),
-            "true_discrepancy_mm": host_sim.metric(|o| o.whole.true_discrepancy_mm),
-            "coordination_force_n": host_sim.metric(|o| o.whole.coordination_force_n),
-            "fault": fault(host_sim),
+        "cohold": {
+            "reason": cohold.reason.map(|reason| reason.to_string()),
+            "decoded_discrepancy_mm": cohold.metric(|o| o.whole.decoded_discrepancy_mm),
+            "true_discrepancy_mm": cohold.metric(|o| o.whole.true_discrepancy_mm),
+            "coordination_force_n": cohold.metric(|o| o.whole.coordination_force_n),
+            "fault": fault(cohold),
         },
         "ticks": boards.ticks,
         "ticks_missed": trial.ticks_missed,
@@ -127,7 +127,7 @@ fn document(name: &str, trial: &Trial, written: &[PathBuf]) -> serde_json::Value
 }
 
 fn print(name: &str, trial: &Trial) {
-    let outcomes = [&trial.boards, &trial.host_sim];
+    let outcomes = [&trial.boards, &trial.cohold];
     let of_both = Columns::of(&outcomes)
         .value("stable", |o| o.is_stable())
         .value("reason", |o| o.reason.map(|reason| reason.to_string()))
@@ -148,10 +148,10 @@ fn print(name: &str, trial: &Trial) {
             .number("sent_j", 4, move |o| o.whole.energy[peer - 1].sent_j)
             .head(&format!("energy to the network, peer {peer}"))
     });
-    println!("{name}\n\n{}", of_both.done().down(&["two boards", "host-sim, f32"]));
+    println!("{name}\n\n{}", of_both.done().down(&["two boards", "cohold, f32"]));
     let of_boards = Columns::of(std::slice::from_ref(trial))
         .value("ticks of each board", |trial| trial.boards.ticks)
-        .value("ticks whose bits equal host-sim's", |trial| trial.equal.ticks)
+        .value("ticks whose bits equal cohold's", |trial| trial.equal.ticks)
         .value("ticks missed", |trial| trial.ticks_missed)
         .value("packets sent", |trial| trial.packets_sent)
         .value("packets received", |trial| trial.packets_received)

@@ -10,9 +10,9 @@ use board_bench::rig::openocd::OpenOcd;
 use board_bench::rig::table::Table;
 use board_bench::{reviewed, rig};
 use clap::{Args, Parser, Subcommand};
-use haptic_rig::list::{TESTS, Test, Virtual};
-use haptic_rig::run::{self, Boards, Extent};
-use haptic_rig::shown::{self, Shown};
+use cohold_rig::list::{TESTS, Test, Virtual};
+use cohold_rig::run::{self, Boards, Extent};
+use cohold_rig::shown::{self, Shown};
 
 /// What to run; without a table, on virtual boards.
 #[derive(Debug, Parser)]

@@ -13,7 +13,7 @@
 //! | [`fdcan`] | FDCAN1, its message memory and the bus behind it |
 //! | [`moteus`] | the motor controller at that bus |
 //! | `bridges` | what stands at the inputs of bridges and amplifiers |
-//! | [`motors`] | what hangs at the bridges: host-sim's plant and windings |
+//! | [`motors`] | what hangs at the bridges: cohold's plant and windings |
 //! | `nucleo` | the board around the chip |
 //! | [`rom`] | the bootloader, for an image that goes there |
 //! | [`pins`] | pins by name, and which timer's input each leads to |

@@ -1,19 +1,19 @@
-//! A device at a board's bridges: host-sim's plant, and its motors where it has windings.
+//! A device at a board's bridges: cohold's plant, and its motors where it has windings.
 //!
 //! With windings ([`Motors::period`]) the node that runs the board calls it at every update of the bridges' timer, so that voltage, current,
-//! force, motion and back-EMF go round within the PWM period, by the very functions that host-sim's own drive calls. It is made in the process of
+//! force, motion and back-EMF go round within the PWM period, by the very functions that cohold's own drive calls. It is made in the process of
 //! that node ([`Made`]), where everything is done to it that the bench does here ([`Act`]), and the bench knows of it what it says at a stop
 //! ([`Felt`]). Without, the bench moves it once a control period under the duties that the bridges are commanded ([`Motors::step`]).
 
-use haptic_core::device::encoder::Counts;
-use haptic_core::device::kinematics::KinematicsName;
-use haptic_core::device::{AXES, Reading, motor::Duty};
-use haptic_core::names::Choice;
-use haptic_core::num::Motion;
-use haptic_core::peer::Actuators;
-use haptic_sim::Laws;
-use haptic_sim::plant::{Held, Plant};
-use haptic_sim::scene::{DriveName, PlantFault, Scene};
+use cohold_core::device::encoder::Counts;
+use cohold_core::device::kinematics::KinematicsName;
+use cohold_core::device::{AXES, Reading, motor::Duty};
+use cohold_core::names::Choice;
+use cohold_core::num::Motion;
+use cohold_core::peer::Actuators;
+use cohold_sim::Laws;
+use cohold_sim::plant::{Held, Plant};
+use cohold_sim::scene::{DriveName, PlantFault, Scene};
 use serde::{Deserialize, Serialize};
 
 use super::{Bridges, MOTORS};

@@ -30,9 +30,9 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use cohold_rig::list::Test;
+use cohold_rig::run::{self, Boards, Came, Done, Outcome};
 use firmware_parts::record::Record;
-use haptic_rig::list::Test;
-use haptic_rig::run::{self, Boards, Came, Done, Outcome};
 use legs::Legs;
 use stop::Records;
 

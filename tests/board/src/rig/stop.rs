@@ -1,17 +1,17 @@
-//! host-sim's bring-up as far as the emergency stop, with the rig's orders where a person would press it and release it.
+//! cohold's bring-up as far as the emergency stop, with the rig's orders where a person would press it and release it.
 
 use std::cell::RefCell;
 use std::path::Path;
 
+use cohold_board_tools::Error;
+use cohold_board_tools::bringup::{Plan, bring_up};
+use cohold_board_tools::calibrate::board::{Board, Tick};
+use cohold_board_tools::calibrate::counts::Distance;
+use cohold_board_tools::calibrate::motor::Against;
+use cohold_board_tools::calibrate::winding::Sheet;
+use cohold_board_tools::calibrate::{Person, Task};
+use cohold_rig::run::{Boards, Outcome};
 use firmware_parts::record::Record;
-use haptic_board_tools::Error;
-use haptic_board_tools::bringup::{Plan, bring_up};
-use haptic_board_tools::calibrate::board::{Board, Tick};
-use haptic_board_tools::calibrate::counts::Distance;
-use haptic_board_tools::calibrate::motor::Against;
-use haptic_board_tools::calibrate::winding::Sheet;
-use haptic_board_tools::calibrate::{Person, Task};
-use haptic_rig::run::{Boards, Outcome};
 
 /// Boards whose records can be taken.
 pub(super) trait Records: Boards {

@@ -1,13 +1,13 @@
-//! Two boards on a table: that under test over the network, as host-sim's operator; the rig over the serial port of its ST-LINK; and the probe
+//! Two boards on a table: that under test over the network, as cohold's operator; the rig over the serial port of its ST-LINK; and the probe
 //! of the board under test.
 
 use std::net::SocketAddr;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use cohold_live::operator::Operator;
+use cohold_rig::run::{Boards, Came, Done, Outcome};
 use firmware_parts::record::{CODE, Record};
-use haptic_live::operator::Operator;
-use haptic_rig::run::{Boards, Came, Done, Outcome};
 
 use super::openocd::{self, Probe};
 use super::port::Port;

@@ -1,10 +1,10 @@
 //! What a board's records say to the list of tests/rig, wherever they come from.
 
+use cohold_core::device::encoder::Counts;
+use cohold_core::names::MotorDrive;
+use cohold_core::safety::Mode;
+use cohold_rig::run::Came;
 use firmware_parts::record::Record;
-use haptic_core::device::encoder::Counts;
-use haptic_core::names::MotorDrive;
-use haptic_core::safety::Mode;
-use haptic_rig::run::Came;
 
 use crate::twin::replay_alone;
 

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use code::{Code, veneer};
-use haptic_cli::Failure;
+use cohold_cli::Failure;
 
 const LIST: &str = include_str!("../../calls.txt");
 /// What the processor puts on the stack at an interrupt, with the FPU in use and the stack aligned to 8 bytes.

@@ -11,7 +11,7 @@ use board_bench::node::Inputs;
 use board_bench::part::Gate;
 
 use board_bench::wire::Line;
-use haptic_sim::scene::Scene;
+use cohold_sim::scene::Scene;
 
 use crate::{breaks, three_axes};
 

@@ -1,7 +1,7 @@
 //! An operator who holds the key and says whatever comes: it is answered, starts no motor but by a line that starts one, raises no limit, and
 //! resets nothing.
 //!
-//! `HAPTIC_LINES=100000` says more of them than a check has time for.
+//! `COHOLD_LINES=100000` says more of them than a check has time for.
 
 use std::sync::Arc;
 
@@ -9,8 +9,8 @@ use board_bench::bench::Bench;
 use board_bench::image::Firmware;
 use board_bench::reviewed;
 use board_bench::wire::Line;
+use cohold_core::settings::Settings;
 use firmware_parts::operator::{Request, parse};
-use haptic_core::settings::Settings;
 
 /// Lines in a check.
 const LINES: u64 = 600;
@@ -107,7 +107,7 @@ fn line(random: &mut Random, keys: &[&str]) -> String {
 
 #[test]
 fn no_line_does_what_it_does_not_say() {
-    let lines = std::env::var("HAPTIC_LINES").ok().and_then(|lines| lines.parse().ok()).unwrap_or(LINES);
+    let lines = std::env::var("COHOLD_LINES").ok().and_then(|lines| lines.parse().ok()).unwrap_or(LINES);
     let keys: Vec<_> = Settings::keys().map(|key| key.name).collect();
     let mut bench = Bench::start(&Arc::new(Firmware::release()), 1, Line::default());
     bench.tell_of_amplifiers(1);

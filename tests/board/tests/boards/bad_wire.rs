@@ -6,8 +6,8 @@ use std::sync::Arc;
 use board_bench::image::Firmware;
 use board_bench::reviewed;
 use board_bench::trial::{self, Trial};
-use haptic_core::safety::Mode;
-use haptic_sim::pair::Pair;
+use cohold_core::safety::Mode;
+use cohold_sim::pair::Pair;
 
 use crate::breaks;
 
@@ -35,9 +35,9 @@ fn jerk(forces: impl Iterator<Item = [f32; 2]>) -> f32 {
     largest
 }
 
-/// The same on a good wire, where boards are to the bit what host-sim is (`papers_comms::passive_wave`).
+/// The same on a good wire, where boards are to the bit what cohold is (`papers_comms::passive_wave`).
 fn jerk_on_a_good_wire() -> f32 {
-    let mut pair = Pair::<f32>::new(&breaks::scene(&[])).expect("host-sim takes it");
+    let mut pair = Pair::<f32>::new(&breaks::scene(&[])).expect("cohold takes it");
     let ticks = 0..(1000.0 * SECONDS) as usize;
     jerk(ticks.map(|_| {
         pair.step();
@@ -85,7 +85,7 @@ fn they_stay_armed_and_nothing_jerks() {
     assert!(bad_n <= 2.0 * good_n, "{bad_n} N a tick on a bad wire, {good_n} on a good one");
 }
 
-/// What the recommended scene computes on two boards is what host-sim computes, given the same arrivals, through bursts; within 1300
+/// What the recommended scene computes on two boards is what cohold computes, given the same arrivals, through bursts; within 1300
 /// instructions a tick, of which the body's envelope is 30, the dead man and the tick's own times another 30, and with a packet a tick each way. A minute of it: docs/hardware.md.
 #[test]
 fn any_network_gives_the_same_bits_through_bursts() {

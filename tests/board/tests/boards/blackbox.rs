@@ -6,12 +6,12 @@ use std::sync::Arc;
 use board_bench::bench::{Bench, CURRENT_LOOP};
 use board_bench::image::Firmware;
 use board_bench::wire::Line;
+use cohold_core::safety::{Fault, Mode};
+use cohold_live::recording::file::read;
+use cohold_sim::scene::PlantFault;
 use firmware_parts::history::FIRST;
 use firmware_parts::record::{ENABLED, Record};
 use firmware_parts::recorder::TICKS;
-use haptic_core::safety::{Fault, Mode};
-use haptic_live::recording::file::read;
-use haptic_sim::scene::PlantFault;
 
 use crate::breaks;
 

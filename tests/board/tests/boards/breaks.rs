@@ -12,8 +12,8 @@ use board_bench::node::Inputs;
 use board_bench::pc::{board_ip, board_mac, udp};
 use board_bench::reviewed;
 use board_bench::wire::Line;
-use haptic_sim::scene::Scene;
-use haptic_sim::scenes;
+use cohold_sim::scene::Scene;
+use cohold_sim::scenes;
 
 /// TIM1_BDTR without its main output enable, and what it is to be: break 2, both filters (8 samples at an eighth), break 1, idle levels, lock 3.
 const BDTR: u64 = 0x4001_0044;
@@ -27,7 +27,7 @@ const FROZEN: [u64; 2] = [0x5C00_1034, 0x5C00_104C];
 
 /// A scene that is built in, and what else is set.
 pub(crate) fn built_in(name: &str, set: &[&str]) -> Scene {
-    let mut scene = scenes::load(haptic_sim::Laws::built_in(), name).expect("built in");
+    let mut scene = scenes::load(cohold_sim::Laws::built_in(), name).expect("built in");
     set.iter().for_each(|text| scene.apply_override(text).expect("a good override"));
     scene
 }

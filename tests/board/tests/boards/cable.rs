@@ -7,11 +7,11 @@ use board_bench::image::Firmware;
 use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;
 use board_bench::{docs, reviewed};
+use cohold_board_tools::recording;
+use cohold_core::law::degradation::STEP_N;
+use cohold_core::safety::Mode;
+use cohold_live::recording::file::read;
 use firmware_parts::record::{ENGAGED, Record};
-use haptic_board_tools::recording;
-use haptic_core::law::degradation::STEP_N;
-use haptic_core::safety::Mode;
-use haptic_live::recording::file::read;
 
 use crate::breaks;
 

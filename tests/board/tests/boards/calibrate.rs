@@ -1,5 +1,5 @@
-//! A person brings a board up: host-sim's steps against the release image, closed around a device whose numbers they are not given. What ends
-//! it becomes a table in docs/hardware.md; `HAPTIC_BLESS=1` writes it, otherwise it must be there.
+//! A person brings a board up: cohold's steps against the release image, closed around a device whose numbers they are not given. What ends
+//! it becomes a table in docs/hardware.md; `COHOLD_BLESS=1` writes it, otherwise it must be there.
 
 use std::cell::RefCell;
 use std::path::Path;
@@ -11,14 +11,14 @@ use board_bench::docs;
 use board_bench::image::Firmware;
 use board_bench::part::Gate;
 use board_bench::wire::Line;
-use haptic_board_tools::Error;
-use haptic_board_tools::bringup::{Plan, VOLTMETER, bring_up};
-use haptic_board_tools::calibrate::board::{Board, Tick};
-use haptic_board_tools::calibrate::counts::Distance;
-use haptic_board_tools::calibrate::motor::Against;
-use haptic_board_tools::calibrate::winding::Sheet;
-use haptic_board_tools::calibrate::{Person, Task};
-use haptic_sim::scene::Scene;
+use cohold_board_tools::Error;
+use cohold_board_tools::bringup::{Plan, VOLTMETER, bring_up};
+use cohold_board_tools::calibrate::board::{Board, Tick};
+use cohold_board_tools::calibrate::counts::Distance;
+use cohold_board_tools::calibrate::motor::Against;
+use cohold_board_tools::calibrate::winding::Sheet;
+use cohold_board_tools::calibrate::{Person, Task};
+use cohold_sim::scene::Scene;
 
 /// The bench with one board, as its operator and the person at its device share it.
 #[derive(Clone)]
@@ -193,7 +193,7 @@ fn brings_up(name: &str, board: &mut Table) -> Scene {
     let of = sheet(board, 1.0, 1.0);
     assert_eq!(steps(&file, board, of).unwrap_or_else(|why| panic!("{why}")), 12);
 
-    let found = Scene::load(haptic_sim::Laws::built_in(), Some(&file), &[]).expect("the simulator takes the file");
+    let found = Scene::load(cohold_sim::Laws::built_in(), Some(&file), &[]).expect("the simulator takes the file");
     for (what, found, truth, relative) in [
         ("counts", found.peer.encoder.counts_per_m, 170_000.0, 1e-3),
         ("motor", found.peer.motor.newton_or_newton_metre_per_a, 6.5, 0.02),

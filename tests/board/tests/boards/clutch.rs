@@ -1,5 +1,5 @@
 //! A leader and a follower that are unlike, on two boards, the leader's scaled: a clutch that is opened and closed by order, to the bits of
-//! host-sim and without a jump of what the hand feels.
+//! cohold and without a jump of what the hand feels.
 
 use std::sync::Arc;
 
@@ -7,8 +7,8 @@ use board_bench::bench::for_boards;
 use board_bench::image::Firmware;
 use board_bench::trial;
 use board_bench::twin::{Equal, closed_loop_ordered};
-use haptic_core::safety::{Command, Mode};
-use haptic_sim::scenes;
+use cohold_core::safety::{Command, Mode};
+use cohold_sim::scenes;
 
 use crate::breaks;
 
@@ -18,7 +18,7 @@ const STEPS_N: f32 = 0.01;
 #[test]
 fn opened_and_closed_by_order_it_changes_the_force_by_no_more_than_its_share() {
     let keys = ["network.jitter=none", "network.loss=0", "network.one_way_delay_packets=8"].map(str::to_owned);
-    let scene = scenes::find(haptic_sim::Laws::built_in(), Some("leader-follower".as_ref()), &keys).expect("a scene");
+    let scene = scenes::find(cohold_sim::Laws::built_in(), Some("leader-follower".as_ref()), &keys).expect("a scene");
     let scene = for_boards(&scene);
     let [leader, follower] = scene.peers();
     assert!((leader.scale.force, follower.scale.force) == (5.0, 1.0), "one of them is scaled");

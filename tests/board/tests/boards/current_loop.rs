@@ -1,4 +1,4 @@
-//! The current loop in the image, against windings: the same bits as host-sim's, every period, and the tick and the loop in time whatever
+//! The current loop in the image, against windings: the same bits as cohold's, every period, and the tick and the loop in time whatever
 //! else goes on.
 
 use std::sync::Arc;
@@ -10,8 +10,8 @@ use board_bench::pc::{board_ip, board_mac, udp};
 use board_bench::reviewed;
 use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;
+use cohold_sim::scene::Scene;
 use firmware_parts::record::Record;
-use haptic_sim::scene::Scene;
 
 use crate::breaks;
 use crate::budgets::within;
@@ -22,7 +22,7 @@ pub(crate) fn scene(set: &[&str]) -> Scene {
 }
 
 #[test]
-fn two_boards_with_windings_equal_host_sim() {
+fn two_boards_with_windings_equal_cohold() {
     let seconds = 2;
     let (firmware, scene) = (Arc::new(Firmware::release()), scene(&[]));
     let wall = std::time::Instant::now();
@@ -82,7 +82,7 @@ fn with_thermistors(firmware: &Arc<Firmware>, scene: &Scene, reads: u16) -> Benc
 }
 
 /// Both users push, and motor 1 of the first board warms: its force falls to what its temperature leaves, and fault 16 ends it at the limit. A
-/// record has what the tick read, so host-sim computes the same bits from it. One that is open or shorted is a fault, with the motors on or off.
+/// record has what the tick read, so cohold computes the same bits from it. One that is open or shorted is a fault, with the motors on or off.
 #[test]
 fn a_motor_with_a_thermistor_loses_force_before_it_is_too_warm() {
     const MOST_N: f64 = 4.0;

@@ -1,5 +1,5 @@
 //! Encoders that fail while the device moves, at the force limits of a board with its default settings: their edges and index tell, and what
-//! motors in current loops show of their speed. The rows become the table in docs/hardware.md; `HAPTIC_BLESS=1` writes it, otherwise it must be there.
+//! motors in current loops show of their speed. The rows become the table in docs/hardware.md; `COHOLD_BLESS=1` writes it, otherwise it must be there.
 
 use std::sync::Arc;
 
@@ -7,8 +7,8 @@ use board_bench::bench::{CURRENT_LOOP, for_boards};
 use board_bench::docs;
 use board_bench::image::Firmware;
 use board_bench::wire::Line;
-use haptic_sim::Laws;
-use haptic_sim::scene::{PlantFault, Scene};
+use cohold_sim::Laws;
+use cohold_sim::scene::{PlantFault, Scene};
 
 use crate::breaks;
 

@@ -1,4 +1,4 @@
-//! One board and host-sim's live peer far away: the PC beside the board carries its datagrams, unopened, to a meeting. The image is the one that knows of none.
+//! One board and cohold's live peer far away: the PC beside the board carries its datagrams, unopened, to a meeting. The image is the one that knows of none.
 
 use std::sync::Arc;
 
@@ -9,10 +9,10 @@ use board_bench::partner::Partner;
 use board_bench::pc::{board_ip, board_mac, udp};
 use board_bench::twin::{self, Equal};
 use board_bench::wire::{Line, PC};
+use cohold_core::safety::Mode;
+use cohold_homes::Way;
+use cohold_homes::bridge::Counts;
 use firmware_parts::record::ENGAGED;
-use haptic_core::safety::Mode;
-use haptic_homes::Way;
-use haptic_homes::bridge::Counts;
 
 use crate::bad_wire::PUSHES;
 use crate::breaks;
@@ -29,7 +29,7 @@ fn a_board_holds_one_object_with_a_peer_far_away_by_the_pc_beside_it() {
     assert!(bench.ask(1, "status").contains("link calling"));
 
     // It is relayed, then direct; that path is cut, and found again.
-    bench.partner = Some(Partner::new(&scene, 2).expect("host-sim takes it too").far());
+    bench.partner = Some(Partner::new(&scene, 2).expect("cohold takes it too").far());
     bench.run_for_ms(5000);
     assert_eq!(far(&mut bench).ways(), [Way::Direct; 2]);
     far(&mut bench).cut = true;

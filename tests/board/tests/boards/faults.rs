@@ -1,5 +1,5 @@
 //! Faults injected while the motors are on: how soon the outputs are off, what is reported, and that only a command brings
-//! them back. The rows become the table in docs/hardware.md; `HAPTIC_BLESS=1` writes it, otherwise it must be there.
+//! them back. The rows become the table in docs/hardware.md; `COHOLD_BLESS=1` writes it, otherwise it must be there.
 
 use std::cell::{Cell, RefCell};
 use std::sync::Arc;
@@ -10,8 +10,8 @@ use board_bench::image::Firmware;
 use board_bench::part::Gate;
 use board_bench::pc::{board_ip, board_mac, udp};
 use board_bench::wire::Line;
-use haptic_protocol::wire::Flow;
-use haptic_sim::scene::PlantFault;
+use cohold_protocol::wire::Flow;
+use cohold_sim::scene::PlantFault;
 
 use crate::{amplifiers, breaks, impostor::Impostor, switch};
 

@@ -9,9 +9,9 @@ use board_bench::node::{Inputs, Node};
 use board_bench::pc::{Pc, board_ip, board_mac, in_key_sector, keys_in_flash, operator_key, peers_key, resolved, udp};
 use board_bench::wire::{Line, PC, Wire};
 use board_bench::{log, reviewed};
-use haptic_board_tools::operator::{PORT, Session};
-use haptic_protocol::key::Key;
-use haptic_protocol::wire::MAX_DATAGRAM;
+use cohold_board_tools::operator::{PORT, Session};
+use cohold_protocol::key::Key;
+use cohold_protocol::wire::MAX_DATAGRAM;
 
 /// What a board that starts with this flash sends in 2 s while the PC asks for its address and calls; and whether the PC's
 /// session is answered. `works`: its noise source.

@@ -9,8 +9,8 @@
 //! | [`amplifiers`] | are amplifiers commanded no current before they are enabled and after? |
 //! | [`any_line`] | does it do what a line says and no more? |
 //! | [`ceiling`] | are limits raised by who is at the board only? |
-//! | [`calibrate`] | do host-sim's calibrations find what a board's device is? |
-//! | [`same_bits`], [`papers_comms`], [`current_loop`] | do two boards compute what host-sim computes? |
+//! | [`calibrate`] | do cohold's calibrations find what a board's device is? |
+//! | [`same_bits`], [`papers_comms`], [`current_loop`] | do two boards compute what cohold computes? |
 //! | [`rig`], [`table`] | does the rig (tests/rig) find what is wrong with a board, and is the way to a table's the same? |
 //! | [`second_board`] | does the other board's image do what the first's does? |
 //! | [`three_axes`] | do they along three shared axes? |
@@ -18,7 +18,7 @@
 //! | [`spi_encoders`] | does a board with encoders on SPI do so, and see what goes wrong with them? |
 //! | [`usb`] | is a board on USB a board like any other? |
 //! | [`clutch`] | does a leader's clutch change the force by no more than its share? |
-//! | [`partner`] | is a board with host-sim's live peer as good as with a board? |
+//! | [`partner`] | is a board with cohold's live peer as good as with a board? |
 //! | [`far`] | does it hold one object with a peer far away, by the PC beside it? |
 //! | [`bad_wire`], [`cable`] | what does a bad wire do, and none? |
 //! | [`faults`] (one of them an [`impostor`]), [`encoder_faults`], [`stop`], [`switch`], [`breaks`], [`deadman`], [`store`] | do outputs go off, and settings stay whole? |

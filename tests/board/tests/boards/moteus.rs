@@ -1,8 +1,8 @@
 //! A board whose motor has a controller of its own, a moteus on its CAN bus: it holds one cube with a board behind whose PWM amplifiers are, and with
-//! one whose bridges the board's own current loop drives, bit for bit what host-sim computes; and its motor is off within a stated time of
+//! one whose bridges the board's own current loop drives, bit for bit what cohold computes; and its motor is off within a stated time of
 //! whatever goes wrong, with the cause told.
 //!
-//! Longer: `HAPTIC_SECONDS=10 cargo test -p board-bench --test boards hold_one_cube`, which runs both pairs over 10 s instead of 2.
+//! Longer: `COHOLD_SECONDS=10 cargo test -p board-bench --test boards hold_one_cube`, which runs both pairs over 10 s instead of 2.
 
 use std::sync::Arc;
 
@@ -15,8 +15,8 @@ use board_bench::part::moteus::Planted;
 use board_bench::trial;
 use board_bench::twin::{self, Equal};
 use board_bench::{node::Report, reviewed};
+use cohold_sim::scene::Scene;
 use firmware_parts::moteus::{LOST, WATCHDOG_MS};
-use haptic_sim::scene::Scene;
 
 use crate::{breaks, current_loop};
 
@@ -51,7 +51,7 @@ pub(crate) fn run(other: &Scene, seconds: u64) -> (Equal, MedianAndMost, Vec<Rep
 }
 
 fn hold_one_cube(other: &Scene) {
-    let seconds = std::env::var("HAPTIC_SECONDS").map_or(2, |seconds| seconds.parse().expect("seconds"));
+    let seconds = std::env::var("COHOLD_SECONDS").map_or(2, |seconds| seconds.parse().expect("seconds"));
     let wall = std::time::Instant::now();
     let (equal, instructions, reports) = run(other, seconds);
     println!("{seconds} s in {:.0} s: {equal:?}, {instructions:?}", wall.elapsed().as_secs_f64());

@@ -1,5 +1,5 @@
 //! One board alone: it starts, its outputs are off, it answers, it arms and it stops; and what a start leaves in registers that no run of the
-//! virtual board shows. The rows become a table in docs/hardware.md; `HAPTIC_BLESS=1` writes it, otherwise it must be there.
+//! virtual board shows. The rows become a table in docs/hardware.md; `COHOLD_BLESS=1` writes it, otherwise it must be there.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! The cooperation paper's three communications at 16 ms round trip, 20 s, on two boards: host-sim's figures, no tick
+//! The cooperation paper's three communications at 16 ms round trip, 20 s, on two boards: cohold's figures, no tick
 //! missed, no packet lost, and nothing that the emulator did not model but what was reviewed.
 
 use std::sync::Arc;
@@ -11,14 +11,14 @@ use crate::breaks;
 
 const SECONDS: f64 = 20.0;
 
-fn close(what: &str, board: f64, host_sim: f64) {
-    assert!((board - host_sim).abs() <= 0.01 * host_sim.abs(), "{what}: {board} on the boards, {host_sim} in host-sim");
+fn close(what: &str, board: f64, cohold: f64) {
+    assert!((board - cohold).abs() <= 0.01 * cohold.abs(), "{what}: {board} on the boards, {cohold} in cohold");
 }
 
 fn check(name: &str) {
     let scene = breaks::built_in(name, &[]);
     let trial = trial::run(&Arc::new(Firmware::release()), &scene, SECONDS).expect("the boards run it");
-    let Trial { boards, host_sim, .. } = &trial;
+    let Trial { boards, cohold, .. } = &trial;
     println!(
         "{name}: true {:.4} mm, decoded {:.4} mm, {} of {} ticks equal, instructions {:?}, {:.1} s",
         boards.whole.true_discrepancy_mm,
@@ -28,9 +28,9 @@ fn check(name: &str) {
         trial.instructions,
         trial.wall_s
     );
-    close("true discrepancy", boards.whole.true_discrepancy_mm, host_sim.whole.true_discrepancy_mm);
-    close("decoded discrepancy", boards.whole.decoded_discrepancy_mm, host_sim.whole.decoded_discrepancy_mm);
-    close("coordination force", boards.whole.coordination_force_n.mean, host_sim.whole.coordination_force_n.mean);
+    close("true discrepancy", boards.whole.true_discrepancy_mm, cohold.whole.true_discrepancy_mm);
+    close("decoded discrepancy", boards.whole.decoded_discrepancy_mm, cohold.whole.decoded_discrepancy_mm);
+    close("coordination force", boards.whole.coordination_force_n.mean, cohold.whole.coordination_force_n.mean);
     assert_eq!(boards.fault, None);
     assert_eq!(boards.ticks, (1000.0 * SECONDS) as u64);
     assert_eq!(trial.equal.ticks, boards.ticks, "first difference: {:?}", trial.equal.first_difference);

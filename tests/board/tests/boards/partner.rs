@@ -1,4 +1,4 @@
-//! One board and host-sim's live peer on one wire: the same bytes both ways, sealed, on a good wire and on a bad one.
+//! One board and cohold's live peer on one wire: the same bytes both ways, sealed, on a good wire and on a bad one.
 
 use std::sync::Arc;
 
@@ -7,8 +7,8 @@ use board_bench::image::Firmware;
 use board_bench::partner::Partner;
 use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;
+use cohold_core::safety::Mode;
 use firmware_parts::record::ENGAGED;
-use haptic_core::safety::Mode;
 
 use crate::breaks;
 
@@ -25,7 +25,7 @@ fn hold_one_object(set: &[&str]) {
     assert!(bench.ask(1, "status").contains("link calling"));
 
     // It comes, calls, hears that the board is there, arms and engages.
-    bench.partner = Some(Partner::new(&scene, 2).expect("host-sim takes it too"));
+    bench.partner = Some(Partner::new(&scene, 2).expect("cohold takes it too"));
     bench.run_for_ms(5000 - u64::from(LAST_MS));
     let mut host_n = 0.0;
     for _ in 0..LAST_MS {
@@ -46,7 +46,7 @@ fn hold_one_object(set: &[&str]) {
     let mean = last.iter().map(|record| f64::from(record.observed().coordination_force)).sum::<f64>();
     let board_n = mean / f64::from(LAST_MS);
     println!(
-        "engaged after {engaged} ticks; mean coordination {board_n:.3} N on the board, {host_n:.3} N in host-sim; {counts:?}"
+        "engaged after {engaged} ticks; mean coordination {board_n:.3} N on the board, {host_n:.3} N in cohold; {counts:?}"
     );
     // What one pulls the other is pulled by: the forces of a line that is at rest are equal and opposite; on a bad wire on average.
     assert!(board_n.abs() > 0.5 && (board_n + host_n).abs() < 0.05 * board_n.abs(), "{board_n} N and {host_n} N");

@@ -1,12 +1,12 @@
-//! Ticks of 1, 0.5, 0.25 and 0.2 ms: the scene asks, and the board computes what host-sim does, bit for bit.
+//! Ticks of 1, 0.5, 0.25 and 0.2 ms: the scene asks, and the board computes what cohold does, bit for bit.
 
 use std::sync::Arc;
 
 use board_bench::bench::for_boards;
 use board_bench::image::Firmware;
 use board_bench::trial::{self, Trial};
+use cohold_sim::scene::Scene;
 use firmware_parts::rate::Rate;
-use haptic_sim::scene::Scene;
 
 use crate::{breaks, current_loop};
 
@@ -26,7 +26,7 @@ fn run(rate: Rate, mut scene: Scene, seconds: f64) -> Trial {
 }
 
 #[test]
-fn boards_equal_host_sim_at_2_and_5_khz() {
+fn boards_equal_cohold_at_2_and_5_khz() {
     for (rate, ticks) in [(Rate::Khz2, 400), (Rate::Khz5, 1000)] {
         let equal = run(rate, breaks::scene(&[]), 0.2).equal;
         assert_eq!((equal.ticks, equal.first_difference), (ticks, None), "{rate:?}");
@@ -37,9 +37,9 @@ fn boards_equal_host_sim_at_2_and_5_khz() {
 #[test]
 fn a_contact_that_swings_at_1_khz_is_held_at_4_khz() {
     let scene = || current_loop::scene(&["contact.stiffness_n_per_m=6000"]);
-    // Not compared while it swings: beyond seven eighths of the supply a board's current is not to the bit that of host-sim.
+    // Not compared while it swings: beyond seven eighths of the supply a board's current is not to the bit that of cohold.
     assert!(run(Rate::Khz1, scene(), 0.5).boards.reason.is_some());
     let held = run(Rate::Khz4, scene(), 0.5);
     assert_eq!((held.equal.ticks, held.equal.first_difference), (2000, None));
-    assert!(held.boards.reason.is_none() && held.host_sim.reason.is_none());
+    assert!(held.boards.reason.is_none() && held.cohold.reason.is_none());
 }

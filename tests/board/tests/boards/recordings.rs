@@ -6,9 +6,9 @@ use std::sync::Arc;
 use board_bench::bench::Bench;
 use board_bench::image::Firmware;
 use board_bench::wire::Line;
-use haptic_live::recording::file::read;
-use haptic_live::recording::merge::merge;
-use haptic_sim::pair::Pair;
+use cohold_live::recording::file::read;
+use cohold_live::recording::merge::merge;
+use cohold_sim::pair::Pair;
 
 use crate::breaks;
 
@@ -36,7 +36,7 @@ fn two_recorded_boards_merge_to_the_simulators_true_discrepancy() {
         merged.instants, merged.clock_error_us, merged.true_discrepancy_mm
     );
 
-    // From the tick at which the devices begin to move, both copies are host-sim's.
+    // From the tick at which the devices begin to move, both copies are cohold's.
     let column = |name: &str| merged.table.column(name).expect("it is named");
     let (places, apart) = (column("object_1_m"), column("true_discrepancy_m"));
     let mut pair = Pair::<f32>::new(&scene).expect("the boards took it");

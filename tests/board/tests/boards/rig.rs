@@ -3,8 +3,8 @@
 use board_bench::image::Firmware;
 use board_bench::reviewed;
 use board_bench::rig::{self, Rigged};
-use haptic_rig::list::{TESTS, Test, Virtual};
-use haptic_rig::run::{self, Boards, Extent, Outcome};
+use cohold_rig::list::{TESTS, Test, Virtual};
+use cohold_rig::run::{self, Boards, Extent, Outcome};
 
 /// DBGMCU_APB2FZ1 that lets TIM1 go on while a debugger halts the core.
 const GOES_ON: (u64, u32) = (0x5C00_104C, 0);

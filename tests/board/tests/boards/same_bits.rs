@@ -1,4 +1,4 @@
-//! The same bits: what two boards compute, tick by tick, is what host-sim computes, and one wrong constant is seen at once.
+//! The same bits: what two boards compute, tick by tick, is what cohold computes, and one wrong constant is seen at once.
 
 use std::sync::Arc;
 
@@ -6,12 +6,12 @@ use board_bench::cost::MedianAndMost;
 use board_bench::image::Firmware;
 use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;
-use haptic_core::num::Fixed;
+use cohold_core::num::Fixed;
 
 use crate::breaks;
 
 #[test]
-fn two_boards_equal_host_sim() {
+fn two_boards_equal_cohold() {
     // The same scene for 20 s: `papers_comms::passive_wave`.
     let seconds = 1;
     let scene = breaks::scene(&[]);

@@ -1,8 +1,8 @@
-//! A board whose joints are read by absolute encoders on SPI: it holds one cube with a board with quadrature encoders, bit for bit what host-sim
+//! A board whose joints are read by absolute encoders on SPI: it holds one cube with a board with quadrature encoders, bit for bit what cohold
 //! computes, and two of them do with current loops. Whatever goes wrong with an encoder or its wires turns the motors off within a stated
 //! time, with the cause told; a single wrong bit does not.
 //!
-//! Longer: `HAPTIC_SECONDS=10 cargo test -p board-bench --test boards spi_encoders::`, which runs the first of these over 10 s instead of 2.
+//! Longer: `COHOLD_SECONDS=10 cargo test -p board-bench --test boards spi_encoders::`, which runs the first of these over 10 s instead of 2.
 
 use std::sync::Arc;
 
@@ -53,14 +53,14 @@ pub(crate) fn run(seconds: u64) -> (Equal, MedianAndMost) {
 
 #[test]
 fn a_board_with_quadrature_and_one_with_encoders_on_spi_hold_one_cube() {
-    let seconds = std::env::var("HAPTIC_SECONDS").map_or(2, |seconds| seconds.parse().expect("seconds"));
+    let seconds = std::env::var("COHOLD_SECONDS").map_or(2, |seconds| seconds.parse().expect("seconds"));
     let (equal, instructions) = run(seconds);
     println!("{seconds} s: {equal:?}, {instructions:?}");
     assert_eq!(equal.first_difference, None);
 }
 
 #[test]
-fn two_boards_with_encoders_on_spi_and_windings_equal_host_sim() {
+fn two_boards_with_encoders_on_spi_and_windings_equal_cohold() {
     let (firmware, scene) = (Arc::new(Firmware::spi_encoders()), current_loop::scene(&["axis.count=2"]));
     let mut bench = breaks::just_armed(&firmware, 2, Line::default(), &scene);
     bench.run_for_ms(1000);

@@ -9,8 +9,8 @@ use board_bench::image::{self, Firmware};
 use board_bench::stack::code::Code;
 use board_bench::stack::{self, Stack};
 use board_bench::wire::Line;
+use cohold_cli::Failure;
 use gimli::{CfaRule, DebugFrame, LittleEndian, RegisterRule, UnwindSection};
-use haptic_cli::Failure;
 use object::{Object, ObjectSection};
 
 const TICK: &str = "TIM6_DAC";

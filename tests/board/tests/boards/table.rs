@@ -17,10 +17,10 @@ use board_bench::reviewed;
 use board_bench::rig::openocd::Probe;
 use board_bench::rig::table::Table;
 use board_bench::rig::{self, Rigged};
-use haptic_live::key_file;
-use haptic_protocol::key::Role;
-use haptic_rig::list::TESTS;
-use haptic_rig::run::{self, Boards, Extent};
+use cohold_live::key_file;
+use cohold_protocol::key::Role;
+use cohold_rig::list::TESTS;
+use cohold_rig::run::{self, Boards, Extent};
 use rustix::fs::OFlags;
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 

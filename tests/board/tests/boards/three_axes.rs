@@ -1,4 +1,4 @@
-//! Three shared axes: two boards with the image for three motors, each behind a serial arm, compute what host-sim computes.
+//! Three shared axes: two boards with the image for three motors, each behind a serial arm, compute what cohold computes.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,9 +9,9 @@ use board_bench::image::Firmware;
 use board_bench::reviewed;
 use board_bench::trial;
 use board_bench::twin::{self, Equal};
+use cohold_live::recording::file::read;
+use cohold_sim::scene::Scene;
 use firmware_parts::record::ENGAGED;
-use haptic_live::recording::file::read;
-use haptic_sim::scene::Scene;
 
 use crate::breaks;
 
@@ -54,7 +54,7 @@ pub(crate) fn run(seconds: u64) -> (Equal, MedianAndMost) {
 }
 
 #[test]
-fn two_boards_equal_host_sim_along_three_axes() {
+fn two_boards_equal_cohold_along_three_axes() {
     let (equal, instructions) = run(5);
     println!("{equal:?}, {instructions:?}");
     assert_eq!(equal.first_difference, None);

@@ -1,4 +1,4 @@
-//! Another image without a probe: an order leads to the ROM's bootloader, only while disarmed, with the chip as a reset leaves it; and what `host-sim
+//! Another image without a probe: an order leads to the ROM's bootloader, only while disarmed, with the chip as a reset leaves it; and what `cohold
 //! board update` writes for it starts, and finds keys and settings where they were.
 
 use std::path::Path;
@@ -69,7 +69,7 @@ fn an_order_leads_to_the_bootloader_and_only_while_disarmed() {
 #[test]
 fn what_the_bootloader_is_given_starts_and_finds_keys_and_settings() {
     let bytes =
-        haptic_board_tools::image::flash(&std::fs::read(image::path()).expect("it is there")).expect("an image");
+        cohold_board_tools::image::flash(&std::fs::read(image::path()).expect("it is there")).expect("an image");
     let mut bench = board(&Arc::new(Firmware::release()), &[]);
     for line in ["set safety.max_force_n 2.5", "apply", "save"] {
         assert!(bench.ask(1, line).starts_with("ok"), "{line}");

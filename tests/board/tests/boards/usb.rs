@@ -1,5 +1,5 @@
 //! A board that talks by USB in place of Ethernet: a PC finds a network card and a serial port; it holds one cube with a board on Ethernet, bit for
-//! bit what host-sim computes; its cable out is a cable out; and what reads its serial port, or has opened it and does not, holds nobody.
+//! bit what cohold computes; its cable out is a cable out; and what reads its serial port, or has opened it and does not, holds nobody.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use board_bench::pc::{board_ip, board_mac, udp};
 use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;
 use board_bench::{reviewed, trial};
-use haptic_core::safety::Mode;
+use cohold_core::safety::Mode;
 
 use crate::breaks;
 

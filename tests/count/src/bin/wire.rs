@@ -10,11 +10,11 @@ use core::hint::black_box;
 
 use cortex_m_rt::entry;
 use cortex_m_semihosting::hprintln;
-use haptic_protocol::ends::Ends;
-use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Link, Stage};
-use haptic_protocol::parameters::{Parameters, Table};
-use haptic_protocol::wire::{AxisFlow, Datagram, Flow, MAX_DATAGRAM, Message, PeerId};
+use cohold_protocol::ends::Ends;
+use cohold_protocol::key::Key;
+use cohold_protocol::link::{Config, Link, Stage};
+use cohold_protocol::parameters::{Parameters, Table};
+use cohold_protocol::wire::{AxisFlow, Datagram, Flow, MAX_DATAGRAM, Message, PeerId};
 
 /// Packet periods in which everything is done once.
 const CALLS: u32 = 100;

@@ -10,7 +10,7 @@
 use cortex_m::peripheral::NVIC;
 use stm32_metapac::{Interrupt, TIM2};
 
-use haptic_rig::order::Line;
+use cohold_rig::order::Line;
 
 /// Flags of channels 1 to 4 in SR.
 const FIRST: u32 = 1 << 1;

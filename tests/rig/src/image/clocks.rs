@@ -5,7 +5,7 @@
 
 use stm32_metapac::{FLASH, PWR, RCC, SYSCFG, TIM7};
 
-use haptic_rig::pulses::PERIOD;
+use cohold_rig::pulses::PERIOD;
 
 /// PLL1 or PLL1's output as the system's clock, in both fields of RCC_CFGR.
 const PLL1: u32 = 3;

@@ -3,8 +3,8 @@
 use stm32_metapac::gpio::Gpio;
 use stm32_metapac::{DAC1, GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, GPIOF};
 
-use haptic_rig::device::levels;
-use haptic_rig::order::Line;
+use cohold_rig::device::levels;
+use cohold_rig::order::Line;
 
 /// A pin, 0 to 15 of its port.
 pub(crate) type Pin = (Gpio, u32);

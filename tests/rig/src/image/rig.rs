@@ -4,9 +4,9 @@ use cortex_m::asm;
 use cortex_m::peripheral::NVIC;
 use stm32_metapac::Interrupt;
 
-use haptic_rig::device::Device;
-use haptic_rig::order::{Line, Order, Text};
-use haptic_rig::pulses::{Pulses, Seen};
+use cohold_rig::device::Device;
+use cohold_rig::order::{Line, Order, Text};
+use cohold_rig::pulses::{Pulses, Seen};
 
 use crate::serial::Serial;
 use crate::{captures, clocks, pins};

@@ -3,7 +3,7 @@
 use cortex_m::peripheral::NVIC;
 use stm32_metapac::{Interrupt, USART3};
 
-use haptic_rig::order::Text;
+use cohold_rig::order::Text;
 
 /// 120 MHz / 1042 = 115 163 baud, 0.03 % off.
 const DIVIDER: u16 = 1042;

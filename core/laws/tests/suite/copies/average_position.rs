@@ -1,6 +1,6 @@
 //! Copies of mass m at their mean: the frequency and the places of Rakhsha and Constantinescu's comparison, beside the power-domain law.
 
-use haptic_core::settings::Settings;
+use cohold_core::settings::Settings;
 
 use super::period;
 use crate::two_copies::{Copies, SOFT, settings};

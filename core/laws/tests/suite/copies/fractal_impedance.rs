@@ -1,10 +1,10 @@
 //! A swing that ends at rest, a way there and back that costs all of its energy, and no energy out of a point that stands.
 
-use haptic_core::law::{Law, Observation, Packet};
-use haptic_core::num::{Fixed, Motion, Scalar};
-use haptic_core::object::Port;
-use haptic_core::settings::Settings;
-use haptic_laws::fractal_impedance::FractalImpedance;
+use cohold_core::law::{Law, Observation, Packet};
+use cohold_core::num::{Fixed, Motion, Scalar};
+use cohold_core::object::Port;
+use cohold_core::settings::Settings;
+use cohold_laws::fractal_impedance::FractalImpedance;
 
 use super::draws;
 use crate::two_copies::{Copies, PERIOD, SOFT, settings};

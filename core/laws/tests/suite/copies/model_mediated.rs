@@ -1,10 +1,10 @@
 //! The model is learned to be what the other hand is, is felt without delay, and never gives more than its account has.
 
-use haptic_core::law::{Law, Observation, Packet};
-use haptic_core::num::Motion;
-use haptic_core::object::Port;
-use haptic_core::settings::Settings;
-use haptic_laws::model_mediated::ModelMediated;
+use cohold_core::law::{Law, Observation, Packet};
+use cohold_core::num::Motion;
+use cohold_core::object::Port;
+use cohold_core::settings::Settings;
+use cohold_laws::model_mediated::ModelMediated;
 
 use super::draws;
 use crate::two_copies::{Copies, PERIOD, Phasor, settings, swing};

@@ -1,9 +1,9 @@
 //! The account is never below nothing, what comes out is what was put in, and the gate opens as far as the closed form says.
 
-use haptic_core::law::{Law, Observation, Packet};
-use haptic_core::num::Motion;
-use haptic_core::object::Port;
-use haptic_laws::passivity_observer::PassivityObserver;
+use cohold_core::law::{Law, Observation, Packet};
+use cohold_core::num::Motion;
+use cohold_core::object::Port;
+use cohold_laws::passivity_observer::PassivityObserver;
 
 use super::draws;
 use crate::two_copies::{Copies, PERIOD, settings};
@@ -84,7 +84,7 @@ fn with_plenty_it_is_the_power_domain_law() {
 #[test]
 fn what_it_needs_is_said() {
     let mut settings = settings("passivity-observer", &[]);
-    settings.object.integrator = haptic_core::object::IntegratorName::Exact;
+    settings.object.integrator = cohold_core::object::IntegratorName::Exact;
     let said = settings.check_with::<crate::AnyLaw<f64>>().expect_err("another order").to_string();
     let wanted = "object.integrator = \"exact\" is not allowed: it must be \"midpoint\" or \"backward-euler\" where coordination.comm is a law that pays for its energy";
     assert_eq!(said, wanted);

@@ -1,9 +1,9 @@
 //! The proxy: its modes as its differential equation has them, and what it is for: a force without steps.
 
-use haptic_core::device::{AXES, Reading};
-use haptic_core::law::Packet;
-use haptic_core::num::Motion;
-use haptic_core::peer::Sensors;
+use cohold_core::device::{AXES, Reading};
+use cohold_core::law::Packet;
+use cohold_core::num::Motion;
+use cohold_core::peer::Sensors;
 
 use super::period;
 use crate::two_copies::{Copies, PERIOD, settings};

@@ -1,8 +1,8 @@
 //! Gains at the boundary.
 
-use haptic_analysis::{Effort, Range, limit, verdict};
-use haptic_core::num::Fixed;
-use haptic_sim::scene::Scene;
+use cohold_analysis::{Effort, Range, limit, verdict};
+use cohold_core::num::Fixed;
+use cohold_sim::scene::Scene;
 
 use super::setup::{COMMS, growth, scene};
 

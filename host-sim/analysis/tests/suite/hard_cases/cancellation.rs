@@ -1,11 +1,11 @@
 //! Equal and opposite pushes.
 
-use haptic_analysis::verdict;
-use haptic_core::num::Fixed;
-use haptic_core::settings::LawInfo;
-use haptic_sim::pair::Pair;
-use haptic_sim::peers::Number;
-use haptic_sim::scene::Scene;
+use cohold_analysis::verdict;
+use cohold_core::num::Fixed;
+use cohold_core::settings::LawInfo;
+use cohold_sim::pair::Pair;
+use cohold_sim::peers::Number;
+use cohold_sim::scene::Scene;
 
 use super::setup::scene;
 
@@ -35,7 +35,7 @@ fn scenes(extra: &str) -> impl Iterator<Item = (String, Scene)> {
     // Without the self-timed line and laws with energy tanks, which need one integrator where these are drawn; and without the one that is not
     // linear, of which the analyser cannot say what it bears (core's tests mirror it).
     let drawn = |law: &&LawInfo| !law.own_time && law.budgets().next().is_none() && law.name != "fractal-impedance";
-    let kinds = haptic_laws::LAWS.iter().filter(drawn);
+    let kinds = cohold_laws::LAWS.iter().filter(drawn);
     kinds.flat_map(|law| ["delayed", "implicit"].map(|decode| (law.name, decode))).map(move |(law, decode)| {
         // Forces that are sent late make four channels unstable: as near to no delay as there is.
         let near = if law == "four-channel" { "network.one_way_delay_packets=0 timing.ticks_per_packet=1" } else { "" };

@@ -1,10 +1,10 @@
 //! One-sided contact: at rest on the surface, across a gap, and at the edge of chatter.
 
-use haptic_analysis::{Effort, Range, limit};
-use haptic_core::num::Fixed;
-use haptic_sim::pair::Pair;
-use haptic_sim::peers::Number;
-use haptic_sim::scene::Scene;
+use cohold_analysis::{Effort, Range, limit};
+use cohold_core::num::Fixed;
+use cohold_sim::pair::Pair;
+use cohold_sim::peers::Number;
+use cohold_sim::scene::Scene;
 
 use super::setup::{COMMS, scene};
 

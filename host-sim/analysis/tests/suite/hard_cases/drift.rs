@@ -2,11 +2,11 @@
 
 use core::f64::consts::TAU;
 
-use haptic_core::num::Motion;
-use haptic_core::object::euler::{ForwardEuler, SemiImplicit};
-use haptic_core::object::exact::Exact;
-use haptic_core::object::{Before, Integrator};
-use haptic_core::settings::Settings;
+use cohold_core::num::Motion;
+use cohold_core::object::euler::{ForwardEuler, SemiImplicit};
+use cohold_core::object::exact::Exact;
+use cohold_core::object::{Before, Integrator};
+use cohold_core::settings::Settings;
 
 /// Ten hours of milliseconds.
 const TICKS: usize = 36_000_000;
@@ -55,7 +55,7 @@ fn steady_velocity(gain: f64, pole: f64, period: usize) -> f64 {
 }
 
 /// Why: a session lasts hours, and a position is a sum of a thousand steps a second. At a steady 10 µm/s each step of 10 nm
-/// is less than half a step of f32 at 0.36 m: a plain sum stops dead. The compensated one (`haptic_core::sum`) comes out
+/// is less than half a step of f32 at 0.36 m: a plain sum stops dead. The compensated one (`cohold_core::sum`) comes out
 /// within a micrometre of v·t, in every integrator.
 #[test]
 fn ten_hours_at_a_steady_creep() {

@@ -1,11 +1,11 @@
 //! Encoders from 16 to 24 bit per metre, read through a counter of 16 bit.
 
-use haptic_core::num::Fixed;
-use haptic_core::safety::Fault;
-use haptic_sim::pair::Pair;
-use haptic_sim::peers::Number;
-use haptic_sim::run::{Options, Outcome, run};
-use haptic_sim::scene::Scene;
+use cohold_core::num::Fixed;
+use cohold_core::safety::Fault;
+use cohold_sim::pair::Pair;
+use cohold_sim::peers::Number;
+use cohold_sim::run::{Options, Outcome, run};
+use cohold_sim::scene::Scene;
 
 use super::setup::{COMMS, scene};
 
@@ -71,7 +71,7 @@ fn a_wrap_that_nobody_could_see_is_refused() {
         let counts_per_m = 2.0_f64.powi(bits);
         let overrides = ["plant.encoder=true", "axis.velocity=difference"].map(str::to_owned);
         let resolution = format!("encoder.counts_per_m={counts_per_m}");
-        let refused = Scene::load(haptic_guest_laws::laws(), None, &[overrides.to_vec(), vec![resolution]].concat())
+        let refused = Scene::load(cohold_guest_laws::laws(), None, &[overrides.to_vec(), vec![resolution]].concat())
             .unwrap_err()
             .to_string();
         assert!(refused.contains("encoder.max_speed_m_per_s = 10 is not allowed"), "{refused}");

@@ -1,10 +1,10 @@
 //! Gains, masses and delays over all that a scene accepts.
 
-use haptic_analysis::{Verdict, verdict};
-use haptic_core::num::{Fixed, StateVector};
-use haptic_sim::pair::Pair;
-use haptic_sim::peers::Number;
-use haptic_sim::scene::Scene;
+use cohold_analysis::{Verdict, verdict};
+use cohold_core::num::{Fixed, StateVector};
+use cohold_sim::pair::Pair;
+use cohold_sim::peers::Number;
+use cohold_sim::scene::Scene;
 
 use super::setup::{COMMS, scene};
 
@@ -33,7 +33,7 @@ fn ran<S: Number>(scene: &Scene) -> Ran {
         for side in pair.sides_mut() {
             let motor_n = *side.plant.free_axis().1;
             assert!(motor_n.abs() <= scene.peer.safety.max_force_n, "{motor_n} N from {}", S::NAME);
-            assert!(motor_n == 0.0 || side.peer.mode() == haptic_core::safety::Mode::Armed);
+            assert!(motor_n == 0.0 || side.peer.mode() == cohold_core::safety::Mode::Armed);
             largest_motor_n = largest_motor_n.max(motor_n.abs());
             largest_force_n = largest_force_n.max(side.peer.observed()[0].coordination_force.to_f64().abs());
         }

@@ -1,8 +1,8 @@
 //! Users who let go: a one-sided contact opens by itself, and what held the copies still is gone.
 
-use haptic_analysis::{Hands, change, judge, verdict};
-use haptic_sim::pair::Pair;
-use haptic_sim::scene::Scene;
+use cohold_analysis::{Hands, change, judge, verdict};
+use cohold_sim::pair::Pair;
+use cohold_sim::scene::Scene;
 
 use super::setup::scene;
 
@@ -53,7 +53,7 @@ fn advice_says_that_letting_go_is_what_is_unstable() {
     for gains in GAINS {
         let scene = scene(gains);
         let judgement = judge(&scene).unwrap();
-        let advice = haptic_analysis::advice(&scene).unwrap();
+        let advice = cohold_analysis::advice(&scene).unwrap();
         assert_eq!(judgement.worst_mode(), Hands::None);
         assert!(advice.contains("once both hands let go"), "{advice}");
     }

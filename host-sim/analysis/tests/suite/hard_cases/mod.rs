@@ -1,5 +1,5 @@
 //! Hard cases: where numbers get extreme, gains sit on an edge, or something must cancel exactly. Every test says why it is
-//! here, and prints what it measured: `cargo test -p haptic-analysis --test suite hard_cases -- --nocapture`.
+//! here, and prints what it measured: `cargo test -p cohold-analysis --test suite hard_cases -- --nocapture`.
 //!
 //! | module | the hard thing |
 //! |---|---|

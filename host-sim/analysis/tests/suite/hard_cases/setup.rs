@@ -1,8 +1,8 @@
 //! What the hard cases share: scenes from overrides, and how fast a linear pair grows.
 
-use haptic_sim::pair::Pair;
-use haptic_sim::peers::Number;
-use haptic_sim::scene::Scene;
+use cohold_sim::pair::Pair;
+use cohold_sim::peers::Number;
+use cohold_sim::scene::Scene;
 
 /// Every way to communicate that the papers compare, with a gain of its own at which the default scene is stable.
 pub(crate) const COMMS: [(&str, f64); 3] = [("power", 200.0), ("wave", 1000.0), ("passive-wave", 2000.0)];
@@ -10,7 +10,7 @@ pub(crate) const COMMS: [(&str, f64); 3] = [("power", 200.0), ("wave", 1000.0), 
 /// The default scene with overrides `table.key=value`, separated by blanks.
 pub(crate) fn scene(overrides: &str) -> Scene {
     let overrides: Vec<String> = overrides.split_whitespace().map(str::to_owned).collect();
-    Scene::load(haptic_guest_laws::laws(), None, &overrides).unwrap_or_else(|error| panic!("{error}"))
+    Scene::load(cohold_guest_laws::laws(), None, &overrides).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Growth of the dominant oscillation over one packet period, measured on the running pair: of the objects' velocities s(k)

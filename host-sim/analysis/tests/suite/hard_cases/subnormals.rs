@@ -1,8 +1,8 @@
 //! States that decay below the smallest normal number.
 
-use haptic_core::num::StateVector;
-use haptic_sim::pair::Pair;
-use haptic_sim::peers::Number;
+use cohold_core::num::StateVector;
+use cohold_sim::pair::Pair;
+use cohold_sim::peers::Number;
 
 use super::setup::{COMMS, scene};
 

@@ -1,10 +1,10 @@
 //! What a hostile board says, millisecond by millisecond, under keys that are right.
 
-use haptic_protocol::lease::{Told, Want, Word};
-use haptic_protocol::lines::{END, PART};
-use haptic_protocol::record::{self, Record};
-use haptic_protocol::wire::{Ack, Event, MAX_DATAGRAM, Message, Probe, Reply, Sample};
-use haptic_sim::rng::Rng;
+use cohold_protocol::lease::{Told, Want, Word};
+use cohold_protocol::lines::{END, PART};
+use cohold_protocol::record::{self, Record};
+use cohold_protocol::wire::{Ack, Event, MAX_DATAGRAM, Message, Probe, Reply, Sample};
+use cohold_sim::rng::Rng;
 
 use super::super::format::{GREETING, Session, hello};
 

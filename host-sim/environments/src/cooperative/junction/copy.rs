@@ -7,12 +7,12 @@
 //! Energy: each end of a line emits no more than it was given (THEORY §8), the copy and the springs start at rest, so that what goes
 //! back into all lines never is more than what came out of them. Of several shared axes each has a copy of its own.
 
-use haptic_core::law::degradation::Remnant;
-use haptic_core::law::{AnyLaw, AnyLawState, Coupled, Law, Observation, Packet, Spring};
-use haptic_core::model::Model as _;
-use haptic_core::num::Motion;
-use haptic_core::object::{Port, midpoint::Carries, midpoint::Midpoint};
-use haptic_core::settings::{Refused, Settings};
+use cohold_core::law::degradation::Remnant;
+use cohold_core::law::{AnyLaw, AnyLawState, Coupled, Law, Observation, Packet, Spring};
+use cohold_core::model::Model as _;
+use cohold_core::num::Motion;
+use cohold_core::object::{Port, midpoint::Carries, midpoint::Midpoint};
+use cohold_core::settings::{Refused, Settings};
 
 /// The copy, and the hub's ends of its lines.
 #[derive(Clone, Debug)]

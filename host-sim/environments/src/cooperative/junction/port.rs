@@ -1,14 +1,14 @@
 //! The hub's end of a line: one peer, who is there or fades along all shared axes at once, and along each axis a wave and an account.
 //!
 //! What belongs to the peer is kept once: how far it is engaged, and that it leaves. What belongs to an axis is kept for each, as a peer
-//! keeps it (`haptic_core::peer`): the packet that stands, the credit that pays for it, the counters. So an axis whose credit is used up
+//! keeps it (`cohold_core::peer`): the packet that stands, the credit that pays for it, the counters. So an axis whose credit is used up
 //! falls quiet by itself and takes nothing from the others, and no axis is let go of without them.
 
 use std::iter::Sum;
 
-use haptic_core::law::credit::{Account, CAP_J, Credit};
-use haptic_core::law::degradation::{Degradation, Engagement};
-use haptic_core::law::{Coupled, Packet};
+use cohold_core::law::credit::{Account, CAP_J, Credit};
+use cohold_core::law::degradation::{Degradation, Engagement};
+use cohold_core::law::{Coupled, Packet};
 use serde::Serialize;
 
 /// Wave energy at one port, J.

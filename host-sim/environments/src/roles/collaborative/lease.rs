@@ -1,6 +1,6 @@
 //! Who wants to edit, and for how long one may: a right that runs out by itself, at its holder before at its giver.
 
-use haptic_protocol::notices::Notices;
+use cohold_protocol::notices::Notices;
 
 /// A lease may not be that long.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

@@ -1,6 +1,6 @@
 //! A client's part: it has the engine while a lease from the server runs.
 
-use haptic_protocol::{notices::Notices, wire::PeerId};
+use cohold_protocol::{notices::Notices, wire::PeerId};
 
 use super::message::{Body, Message};
 use crate::roles::collaborative::Lease;

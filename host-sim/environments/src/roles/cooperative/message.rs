@@ -1,6 +1,6 @@
 //! Who has the engine: what server and clients say to each other. A stamp is µs of the client's clock.
 
-use haptic_protocol::bytes::layout;
+use cohold_protocol::bytes::layout;
 
 use crate::roles::messages::messages;
 

@@ -1,7 +1,7 @@
 //! Cooperative: all users push the same object at the same time, one dynamics engine moves it (Buttolo et al. 1997, §3.3).
 //!
-//! Every client renders its own contact against the last motion of the object that was announced to it ([`haptic_protocol::wire::Moved`]) and says with
-//! what force it pushes ([`haptic_protocol::wire::Push`]); whoever has the dynamics engine adds the forces up, moves the object and tells everybody.
+//! Every client renders its own contact against the last motion of the object that was announced to it ([`cohold_protocol::wire::Moved`]) and says with
+//! what force it pushes ([`cohold_protocol::wire::Push`]); whoever has the dynamics engine adds the forces up, moves the object and tells everybody.
 //! That is the server, or for a while the client whose manipulation needs its quality: there the loop has no network in it.
 //!
 //! **The engine moves without a jump**: the motion travels with the right to change it ([`Message::Lend`],

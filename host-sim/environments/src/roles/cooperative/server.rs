@@ -1,6 +1,6 @@
 //! The server's part: it has the engine, or has lent it to one client.
 
-use haptic_protocol::wire::PeerId;
+use cohold_protocol::wire::PeerId;
 
 use super::message::{Body, Message};
 use crate::roles::collaborative::Lease;

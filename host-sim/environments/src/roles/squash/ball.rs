@@ -19,7 +19,7 @@
 //!
 //! Both are off while T is 0.
 
-use haptic_protocol::bytes::layout;
+use cohold_protocol::bytes::layout;
 
 /// The court, in m.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! A player: hits when it is active, knows where the ball is when it is not.
 
-use haptic_protocol::{clock::Clock, notices::Notices, wire::PeerId};
+use cohold_protocol::{clock::Clock, notices::Notices, wire::PeerId};
 
 use super::ball::{Ball, BallBounds, Court, Impact, Racket, RoundTrips};
 use super::rules::{

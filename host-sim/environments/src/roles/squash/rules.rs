@@ -1,7 +1,7 @@
 //! Rules of the game: how many play, the state of the game that the server has, and what is said how often.
 
-use haptic_protocol::bytes::{byte_enum, layout};
-use haptic_protocol::wire::PeerId;
+use cohold_protocol::bytes::{byte_enum, layout};
+use cohold_protocol::wire::PeerId;
 
 use super::ball::Ball;
 use crate::roles::messages::messages;

@@ -2,7 +2,7 @@
 
 use core::convert::Infallible;
 
-use haptic_protocol::wire::PeerId;
+use cohold_protocol::wire::PeerId;
 
 use super::ball::RoundTrips;
 use super::rules::{

@@ -6,7 +6,7 @@
 
 use heapless::Vec;
 
-use haptic_protocol::wire::{Presence, Sighting};
+use cohold_protocol::wire::{Presence, Sighting};
 
 #[derive(Clone, Copy, Debug)]
 struct Place {

@@ -15,7 +15,7 @@
 //! **Limits**: objects that were held stay, and are felt, until the download that replaces them is complete. An answer about
 //! the 256th scope before this one looks like one about this; what comes that late a link refuses as a replay.
 
-use haptic_protocol::wire::{Ask, Bits, Page, Part, Payload, Topic};
+use cohold_protocol::wire::{Ask, Bits, Page, Part, Payload, Topic};
 use heapless::Vec;
 
 use super::server::BURST;

@@ -1,7 +1,7 @@
 //! Server: answers questions about a world from its database, and remembers nothing about who asked.
 
 use crate::records::{Database, Object, Region, Scope, checksum_of, in_scope};
-pub(crate) use haptic_protocol::wire::{Ask, Error, Page, Part, Payload, Topic};
+pub(crate) use cohold_protocol::wire::{Ask, Error, Page, Part, Payload, Topic};
 
 /// Most parts that one question is answered with; what else it wants is asked for again.
 pub const BURST: usize = 16;

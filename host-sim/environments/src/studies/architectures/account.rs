@@ -1,8 +1,8 @@
 //! Account of a run: what is measured, tick by tick, in every architecture.
 
-use haptic_analysis::ROUNDING;
-use haptic_protocol::wire::{Ack, Event, Presence, SEAL_LEN, Sighting};
-use haptic_sim::measure::growth::Forces;
+use cohold_analysis::ROUNDING;
+use cohold_protocol::wire::{Ack, Event, Presence, SEAL_LEN, Sighting};
+use cohold_sim::measure::growth::Forces;
 
 use super::{Architecture, Row, TASK};
 

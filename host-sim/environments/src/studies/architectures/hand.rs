@@ -6,8 +6,8 @@
 
 use std::collections::VecDeque;
 
-use haptic_core::{contact::Contact, num::Motion, object::AnyIntegrator};
-use haptic_sim::{plant::Linear, scene::Scene, user::minimum_jerk};
+use cohold_core::{contact::Contact, num::Motion, object::AnyIntegrator};
+use cohold_sim::{plant::Linear, scene::Scene, user::minimum_jerk};
 
 use super::TASK;
 

@@ -25,12 +25,12 @@ pub mod picture;
 pub mod together;
 pub mod turns;
 
-use haptic_core::names::Choice;
-use haptic_report::Columns;
-use haptic_sim::scene::Scene;
+use cohold_core::names::Choice;
+use cohold_report::Columns;
+use cohold_sim::scene::Scene;
 use rayon::prelude::*;
 
-use haptic_studies::Error;
+use cohold_studies::Error;
 
 /// Delays from user to user, one way, ms.
 pub const DELAYS_MS: [f64; 8] = [0.0, 4.0, 10.0, 20.0, 40.0, 80.0, 120.0, 200.0];
@@ -62,7 +62,7 @@ pub const TASK: Task = Task {
     arm_mass_kg: 0.4,
 };
 
-haptic_sim::choices! {
+cohold_sim::choices! {
     /// An architecture of a shared haptic environment, in the report's order.
     Architecture {
         "static" => Static, "A copy each.";
@@ -149,7 +149,7 @@ pub(crate) fn scene(keys: &[String]) -> Result<Scene, Error> {
     let base = ["object.integrator=semi-implicit", "object.force_delay_ticks=0", "network.one_way_delay_packets=0"];
     let base = base.map(str::to_owned);
     let all: Vec<String> = base.into_iter().chain(user(0)).chain(user(1)).chain(keys.iter().cloned()).collect();
-    Ok(Scene::load(haptic_sim::Laws::built_in(), None, &all)?)
+    Ok(Scene::load(cohold_sim::Laws::built_in(), None, &all)?)
 }
 
 /// One architecture at one delay.

@@ -1,7 +1,7 @@
 //! Every architecture side by side: coherency, force and bandwidth against delay, and where each is stable.
 
-use haptic_core::names::Choice;
-use haptic_plot::{Dash, Figure, Panel, Series};
+use cohold_core::names::Choice;
+use cohold_plot::{Dash, Figure, Panel, Series};
 
 use super::{Architecture, Row};
 

@@ -2,9 +2,9 @@
 
 use crate::cooperative::world::World;
 use crate::cooperative::{Engine, Setup, lifted};
-use haptic_analysis::verdict;
-use haptic_protocol::wire::{Flow, SEAL_LEN};
-use haptic_sim::pair::Pair;
+use cohold_analysis::verdict;
+use cohold_protocol::wire::{Flow, SEAL_LEN};
+use cohold_sim::pair::Pair;
 
 use super::account::{Account, End, presence_bytes_per_s};
 use super::{Architecture, Error, Row, TASK, scene};

@@ -6,10 +6,10 @@ use crate::roles::collaborative::ring::{Config, Record, Ring, Roster};
 use crate::roles::collaborative::{Lease, Value, lock, ring};
 use crate::roles::{Carried as _, Role as _};
 use crate::said;
-use haptic_analysis::verdict;
-use haptic_protocol::wire::{Message, PeerId};
-use haptic_sim::engine::{Actor, Engine, Out, Seat};
-use haptic_sim::network::link::Route;
+use cohold_analysis::verdict;
+use cohold_protocol::wire::{Message, PeerId};
+use cohold_sim::engine::{Actor, Engine, Out, Seat};
+use cohold_sim::network::link::Route;
 
 use super::account::{Account, End, event_bytes, presence_bytes_per_s};
 use super::hand::{Hand, TaskState};

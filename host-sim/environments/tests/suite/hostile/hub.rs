@@ -3,11 +3,11 @@
 use super::program::Program;
 use super::table::Table;
 use super::{asked, scene};
-use haptic_core::device::AXES;
-use haptic_core::settings::Safety;
-use haptic_protocol::wire::Flows;
-use haptic_sim::peers::Builds;
-use haptic_sim::rng::Rng;
+use cohold_core::device::AXES;
+use cohold_core::settings::Safety;
+use cohold_protocol::wire::Flows;
+use cohold_sim::peers::Builds;
+use cohold_sim::rng::Rng;
 
 const ARMS: [&str; 4] = [
     "user.1.arm_stiffness_n_per_m=300",

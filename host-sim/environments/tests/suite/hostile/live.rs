@@ -5,16 +5,16 @@ use std::net::{SocketAddr, UdpSocket};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use haptic_environments::cooperative::hub::number_on;
-use haptic_environments::live::hub;
-use haptic_live::endpoint::{Span, Stop};
-use haptic_live::node::Line;
-use haptic_live::tell::Manner;
-use haptic_live::watch::LiveOptions;
-use haptic_protocol::key::Key;
-use haptic_protocol::wire::MAX_DATAGRAM;
-use haptic_sim::rng::Rng;
-use haptic_sim::scene::Scene;
+use cohold_environments::cooperative::hub::number_on;
+use cohold_environments::live::hub;
+use cohold_live::endpoint::{Span, Stop};
+use cohold_live::node::Line;
+use cohold_live::tell::Manner;
+use cohold_live::watch::LiveOptions;
+use cohold_protocol::key::Key;
+use cohold_protocol::wire::MAX_DATAGRAM;
+use cohold_sim::rng::Rng;
+use cohold_sim::scene::Scene;
 
 #[path = "../../../../tests/suite/program/free.rs"]
 mod free;
@@ -75,7 +75,7 @@ fn two_hundred_programs_at_a_live_hub() {
             let (scene, quiet, stop, key) = (&scene, &quiet, &stop, key.line(line));
             let listen = SocketAddr::from(([127, 0, 0, 1], 0));
             scope.spawn(move || {
-                haptic_live::peer::run(scene, key, number_on(line), [listen, address], span(duration_s), quiet, stop)
+                cohold_live::peer::run(scene, key, number_on(line), [listen, address], span(duration_s), quiet, stop)
             })
         };
         let peers = [1, 2].map(peer);

@@ -1,7 +1,7 @@
 //! A member that holds a valid key and says what it likes: searched programs against a hub, a peer and a server. At every honest end all
 //! numbers stay finite and the force on the hand within `safety.max_force_n` and `safety.max_slew_n_per_s`; around a hub
 //! the copy stays below 3·√(2/b)·U = 3·(V + F/b), what a free end makes of the largest wave that it takes
-//! ([`haptic_core::law::bounds`]), and the copies come together again.
+//! ([`cohold_core::law::bounds`]), and the copies come together again.
 //!
 //! `HOSTILE_PROGRAMS` sets how many programs each of the two large trials makes (10,000 by default), `HOSTILE_SEED` with which they
 //! begin.
@@ -13,8 +13,8 @@ mod program;
 mod server;
 mod table;
 
-use haptic_sim::scene::Scene;
-use haptic_sim::scenes;
+use cohold_sim::scene::Scene;
+use cohold_sim::scenes;
 
 /// A number from the environment, or this one.
 pub(crate) fn asked(name: &str, otherwise: u64) -> u64 {
@@ -22,7 +22,7 @@ pub(crate) fn asked(name: &str, otherwise: u64) -> u64 {
 }
 
 pub(crate) fn scene(name: &str, keys: &[&str]) -> Scene {
-    let mut scene = scenes::load(haptic_guest_laws::laws(), name).expect("a built-in scene");
+    let mut scene = scenes::load(cohold_guest_laws::laws(), name).expect("a built-in scene");
     keys.iter().for_each(|key| scene.apply_override(key).expect("a good override"));
     scene.check("the test").expect("a good scene");
     scene

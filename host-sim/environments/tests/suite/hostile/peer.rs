@@ -1,16 +1,16 @@
 //! A hostile member with the key of a sealed line, against one honest peer of every law; and that nobody honest is taken for one.
 
-use haptic_core::safety::Mode;
-use haptic_live::node::{Line, Node};
-use haptic_protocol::key::Key;
-use haptic_protocol::link::{Error, Notice};
-use haptic_sim::engine::{Actor, Engine, Out, Seat};
-use haptic_sim::network::link::Route;
-use haptic_sim::network::rule::Direction;
-use haptic_sim::plant::Plant;
-use haptic_sim::rng::Rng;
-use haptic_sim::scene::Scene;
-use haptic_sim::scenes;
+use cohold_core::safety::Mode;
+use cohold_live::node::{Line, Node};
+use cohold_protocol::key::Key;
+use cohold_protocol::link::{Error, Notice};
+use cohold_sim::engine::{Actor, Engine, Out, Seat};
+use cohold_sim::network::link::Route;
+use cohold_sim::network::rule::Direction;
+use cohold_sim::plant::Plant;
+use cohold_sim::rng::Rng;
+use cohold_sim::scene::Scene;
+use cohold_sim::scenes;
 
 use super::program::Program;
 use super::{asked, scene};
@@ -26,7 +26,7 @@ fn entropy(life: u32) -> [u8; Key::LEN] {
 
 /// A scene of each law, with the gains to try it with.
 fn of_each_law() -> impl Iterator<Item = (&'static str, Scene)> {
-    haptic_laws::LAWS.iter().map(|law| {
+    cohold_laws::LAWS.iter().map(|law| {
         let comm = format!("coordination.comm={}", law.name);
         let keys: Vec<&str> = [&comm[..]].into_iter().chain(law.gains.iter().copied()).collect();
         let mut keys = keys;

@@ -1,7 +1,7 @@
 //! What a hostile member says: shapes of a wave with sums that are true to it, sums that are not, and any bits at all.
 
-use haptic_protocol::wire::{AxisFlow, Flow};
-use haptic_sim::rng::Rng;
+use cohold_protocol::wire::{AxisFlow, Flow};
+use cohold_sim::rng::Rng;
 
 /// How the wave goes in time.
 #[derive(Clone, Copy, Debug)]

@@ -1,13 +1,13 @@
 //! A hostile client with a line's key at a server of a static world, beside an honest one.
 
-use haptic_core::num::Motion;
-use haptic_environments::records::Scope;
-use haptic_environments::world::host::Host;
-use haptic_environments::world::visitor::{Correspondent, Setup, Visitor};
-use haptic_environments::world::{CLIENT, open_link, parse};
-use haptic_protocol::key::Key;
-use haptic_protocol::wire::{Message, Presence, Sighting};
-use haptic_sim::rng::Rng;
+use cohold_core::num::Motion;
+use cohold_environments::records::Scope;
+use cohold_environments::world::host::Host;
+use cohold_environments::world::visitor::{Correspondent, Setup, Visitor};
+use cohold_environments::world::{CLIENT, open_link, parse};
+use cohold_protocol::key::Key;
+use cohold_protocol::wire::{Message, Presence, Sighting};
+use cohold_sim::rng::Rng;
 
 use super::asked;
 
@@ -45,7 +45,7 @@ fn a_server_and_its_clients_bear_whatever_a_client_says() {
         let sightings: Vec<Sighting> = sightings.collect();
         let presence = Presence::new(rng.below(1 << 32) as u32, sightings);
         told += u64::from(hostile.say(now, presence, |bytes| said.push(bytes.to_vec())));
-        let mut download = Box::<haptic_environments::roles::static_scene::Download<32>>::default();
+        let mut download = Box::<cohold_environments::roles::static_scene::Download<32>>::default();
         download.look(Scope::Around { x: any(&mut rng), y: any(&mut rng), radius: any(&mut rng) });
         if let Some(ask) = download.poll(now, 1) {
             hostile.say(now, ask, |bytes| said.push(bytes.to_vec()));

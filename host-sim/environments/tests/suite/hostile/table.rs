@@ -3,14 +3,14 @@
 
 use std::collections::VecDeque;
 
-use haptic_core::safety::{Command, Mode};
-use haptic_core::settings::{Safety, Settings, Value};
-use haptic_environments::cooperative::junction::{Junction, Port};
-use haptic_protocol::peer::{Inbox, flow_of, packets_of};
-use haptic_protocol::wire::Flows;
-use haptic_sim::peers::{Builds, DynPeer};
-use haptic_sim::plant::Plant;
-use haptic_sim::scene::Scene;
+use cohold_core::safety::{Command, Mode};
+use cohold_core::settings::{Safety, Settings, Value};
+use cohold_environments::cooperative::junction::{Junction, Port};
+use cohold_protocol::peer::{Inbox, flow_of, packets_of};
+use cohold_protocol::wire::Flows;
+use cohold_sim::peers::{Builds, DynPeer};
+use cohold_sim::plant::Plant;
+use cohold_sim::scene::Scene;
 
 /// The line of the hostile one.
 const HOSTILE: usize = 2;

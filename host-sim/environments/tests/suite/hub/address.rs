@@ -1,9 +1,9 @@
 //! Where a peer is answered: at the address that it has, whoever copies what it says, and wherever it goes.
 
-use haptic_core::safety::Mode;
-use haptic_environments::cooperative::hub::Hub;
-use haptic_live::node::Node;
-use haptic_protocol::{key::Key, link::Notice};
+use cohold_core::safety::Mode;
+use cohold_environments::cooperative::hub::Hub;
+use cohold_live::node::Node;
+use cohold_protocol::{key::Key, link::Notice};
 
 use super::trial::{built_in, key};
 

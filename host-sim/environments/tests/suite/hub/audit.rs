@@ -5,9 +5,9 @@
 //! the line less what went into it, and what it begins with. All in joules, aligned in time: a peer's force and the copy's mean velocity of one
 //! tick are booked beside what the line had done by the end of that tick.
 
-use haptic_core::safety::Mode;
-use haptic_environments::cooperative::waves::Waves;
-use haptic_sim::rng::Rng;
+use cohold_core::safety::Mode;
+use cohold_environments::cooperative::waves::Waves;
+use cohold_sim::rng::Rng;
 
 use super::trial::built_in;
 

@@ -1,9 +1,9 @@
 //! The junction behind a hub: its closed form while a line fades, and that it is passive whatever the network does.
 
-use haptic_core::law::Packet;
-use haptic_core::law::node::Node;
-use haptic_environments::cooperative::junction::{Energy, Junction};
-use haptic_sim::{Scene, scenes};
+use cohold_core::law::Packet;
+use cohold_core::law::node::Node;
+use cohold_environments::cooperative::junction::{Energy, Junction};
+use cohold_sim::{Scene, scenes};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
@@ -12,7 +12,7 @@ const B: f64 = 10.0;
 const PACKET_S: f64 = 0.008;
 
 fn scene(ledger: bool) -> Scene {
-    let mut scene = scenes::load(haptic_sim::Laws::built_in(), "hub").expect("a built-in scene");
+    let mut scene = scenes::load(cohold_sim::Laws::built_in(), "hub").expect("a built-in scene");
     scene.peer.coordination.ledger = ledger;
     scene.peer.coordination.drift_correction = ledger;
     scene
@@ -242,7 +242,7 @@ fn each_axis_of_a_junction_is_a_junction_of_one() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(13);
     let mut unit = move || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
     for name in ["hub", "any-network"] {
-        let alone = scenes::load(haptic_sim::Laws::built_in(), name).expect("a built-in scene");
+        let alone = scenes::load(cohold_sim::Laws::built_in(), name).expect("a built-in scene");
         let mut space = alone.clone();
         (space.peer.axis.count, space.peer.axis.shared) = (3, 3);
         let mut whole = Junction::<3>::new(&space, LINES).expect("waves");

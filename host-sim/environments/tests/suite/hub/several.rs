@@ -1,14 +1,14 @@
 //! An object that is shared along two and three axes around a hub: what belongs to an axis is that of a trial of one, to the bit, and what
 //! belongs to a line goes with all axes at once.
 
-use haptic_core::device::AXES;
-use haptic_core::safety::Mode;
-use haptic_environments::cooperative::hub::Hub;
-use haptic_protocol::key::Key;
-use haptic_protocol::wire::{AxisFlow, Flows};
-use haptic_sim::peers::Builds;
-use haptic_sim::plant::Plant;
-use haptic_sim::scene::Scene;
+use cohold_core::device::AXES;
+use cohold_core::safety::Mode;
+use cohold_environments::cooperative::hub::Hub;
+use cohold_protocol::key::Key;
+use cohold_protocol::wire::{AxisFlow, Flows};
+use cohold_sim::peers::Builds;
+use cohold_sim::plant::Plant;
+use cohold_sim::scene::Scene;
 
 use super::trial::{HubTrial, Participant, built_in, key};
 

@@ -1,20 +1,20 @@
 //! Peers around a hub in virtual time, over a network in memory, every byte of it sealed.
 
-use haptic_core::device::AXES;
-use haptic_core::settings::Value;
-use haptic_environments::cooperative::hub::{Hub, number_on};
-use haptic_live::node::Node;
-use haptic_protocol::key::Key;
-use haptic_sim::engine::{Actor, Engine, Out, Seat};
-use haptic_sim::network::link::Route;
-use haptic_sim::network::rule::Direction;
-use haptic_sim::peers::Builds;
-use haptic_sim::plant::Plant;
-use haptic_sim::scene::Scene;
-use haptic_sim::scenes;
+use cohold_core::device::AXES;
+use cohold_core::settings::Value;
+use cohold_environments::cooperative::hub::{Hub, number_on};
+use cohold_live::node::Node;
+use cohold_protocol::key::Key;
+use cohold_sim::engine::{Actor, Engine, Out, Seat};
+use cohold_sim::network::link::Route;
+use cohold_sim::network::rule::Direction;
+use cohold_sim::peers::Builds;
+use cohold_sim::plant::Plant;
+use cohold_sim::scene::Scene;
+use cohold_sim::scenes;
 
 pub(super) fn built_in(name: &str, keys: &[String]) -> Scene {
-    let mut scene = scenes::load(haptic_sim::Laws::built_in(), name).expect("a built-in scene");
+    let mut scene = scenes::load(cohold_sim::Laws::built_in(), name).expect("a built-in scene");
     keys.iter().for_each(|key| scene.apply_override(key).expect("a good override"));
     scene.check("the test").expect("a good scene");
     scene

@@ -2,17 +2,17 @@
 
 use std::path::PathBuf;
 
-use haptic_core::num::Motion;
-use haptic_core::safety::Mode;
-use haptic_environments::cooperative::hub::Hub;
-use haptic_environments::cooperative::waves::Waves;
-use haptic_live::node::{Line, MOST_NOTICES};
-use haptic_protocol::key::Key;
-use haptic_protocol::link::Notice;
-use haptic_protocol::wire::{AxisFlow, Flow, Goodbye};
-use haptic_sim::network::rule::Fate;
-use haptic_sim::plant::Plant;
-use haptic_sim::scene::Scene;
+use cohold_core::num::Motion;
+use cohold_core::safety::Mode;
+use cohold_environments::cooperative::hub::Hub;
+use cohold_environments::cooperative::waves::Waves;
+use cohold_live::node::{Line, MOST_NOTICES};
+use cohold_protocol::key::Key;
+use cohold_protocol::link::Notice;
+use cohold_protocol::wire::{AxisFlow, Flow, Goodbye};
+use cohold_sim::network::rule::Fate;
+use cohold_sim::plant::Plant;
+use cohold_sim::scene::Scene;
 
 use super::trial::{HubTrial, Participant, built_in, key};
 

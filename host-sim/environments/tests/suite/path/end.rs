@@ -1,8 +1,8 @@
 //! What is promised of one end, checked from what is seen of it and of the end that it talks to.
 
-use haptic_live::node::Line;
-use haptic_live::recording::common_clock::Watched;
-use haptic_sim::scene::Scene;
+use cohold_live::node::Line;
+use cohold_live::recording::common_clock::Watched;
+use cohold_sim::scene::Scene;
 
 use super::Planted;
 

@@ -9,14 +9,14 @@
 //! 3. an end engages only by what the other one said within the age of flow that is taken, and when the other one's motors go off
 //!    it lets go within that age and the time for which its law bears silence.
 //!
-//! `HAPTIC_STRATEGIES` sets how many strategies each large trial plays.
+//! `COHOLD_STRATEGIES` sets how many strategies each large trial plays.
 
 mod end;
 mod hub;
 mod peers;
 mod world;
 
-use haptic_sim::scene::Scene;
+use cohold_sim::scene::Scene;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
@@ -220,7 +220,7 @@ fn search(setup: Setup, strategies: usize) -> Result<[f64; 4], (usize, String)> 
 
 /// The search that is asked for by the environment, or this many; panics where a promise is broken.
 fn holds(setup: Setup, strategies: u64) -> [f64; 4] {
-    let strategies = asked("HAPTIC_STRATEGIES", strategies) as usize;
+    let strategies = asked("COHOLD_STRATEGIES", strategies) as usize;
     search(setup, strategies).unwrap_or_else(|(tried, why)| panic!("strategy {tried}: {why}"))
 }
 

@@ -1,12 +1,12 @@
 //! Two peers, or a hub and two peers, every end with a clock of its own, and what lies between them: a millisecond of it at a time.
 
-use haptic_core::safety::Mode;
-use haptic_environments::cooperative::hub::{Hub, number_on};
-use haptic_live::node::{Line, Node};
-use haptic_live::start::AFTER_US;
-use haptic_protocol::key::Key;
-use haptic_protocol::link::Notice;
-use haptic_sim::scene::Scene;
+use cohold_core::safety::Mode;
+use cohold_environments::cooperative::hub::{Hub, number_on};
+use cohold_live::node::{Line, Node};
+use cohold_live::start::AFTER_US;
+use cohold_protocol::key::Key;
+use cohold_protocol::link::Notice;
+use cohold_sim::scene::Scene;
 
 use super::end::{Clock, End, Limits, Seen};
 use super::{Planted, Setup};

@@ -1,6 +1,6 @@
 //! Who wants to edit, and for how long one may.
 
-use haptic_environments::roles::collaborative::{Approach, Lease, Wish};
+use cohold_environments::roles::collaborative::{Approach, Lease, Wish};
 
 #[test]
 fn between_the_two_distances_nothing_changes() {

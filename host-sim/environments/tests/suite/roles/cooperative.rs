@@ -3,9 +3,9 @@
 
 use std::collections::BTreeMap;
 
-use haptic_environments::roles::cooperative::{Body, Client, Lease, Message, Notice, Server};
-use haptic_environments::roles::{Carried as _, Role};
-use haptic_protocol::wire::{Event, PeerId};
+use cohold_environments::roles::cooperative::{Body, Client, Lease, Message, Notice, Server};
+use cohold_environments::roles::{Carried as _, Role};
+use cohold_protocol::wire::{Event, PeerId};
 
 use crate::random::Rng;
 

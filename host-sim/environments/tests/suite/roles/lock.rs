@@ -1,9 +1,9 @@
 //! A lock, message by message.
 
-use haptic_environments::roles::collaborative::lock::{Client, Message, Notice, Phase, Server};
-use haptic_environments::roles::collaborative::{Lease, NotOwner};
-use haptic_environments::roles::{Outbox, Role};
-use haptic_protocol::wire::PeerId;
+use cohold_environments::roles::collaborative::lock::{Client, Message, Notice, Phase, Server};
+use cohold_environments::roles::collaborative::{Lease, NotOwner};
+use cohold_environments::roles::{Outbox, Role};
+use cohold_protocol::wire::PeerId;
 
 const SERVER: PeerId = PeerId(0);
 const LEASE_US: u32 = 300_000;

@@ -1,6 +1,6 @@
 //! Bounded memory: a client of a static world is one value of fixed size.
 
-use haptic_environments::roles::static_scene::Download;
+use cohold_environments::roles::static_scene::Download;
 
 #[test]
 fn a_client_of_a_static_world_fits_on_a_microcontroller() {

@@ -1,13 +1,13 @@
 //! Every message comes back as it was, has one encoding only, and no decoder is surprised by anything.
 
-use haptic_environments::roles::Carried as _;
-use haptic_environments::roles::collaborative::ring;
-use haptic_environments::roles::collaborative::ring::{Ballot, Kept, Roster, State};
-use haptic_environments::roles::squash;
-use haptic_environments::roles::squash::{Ball, Ending, Game, Phase, Turn, Verdict};
-use haptic_environments::{roles::collaborative::lock, roles::collaborative::lock::Copy};
-use haptic_environments::{roles::cooperative, roles::cooperative::Body};
-use haptic_protocol::wire::{Error, Event, PeerId};
+use cohold_environments::roles::Carried as _;
+use cohold_environments::roles::collaborative::ring;
+use cohold_environments::roles::collaborative::ring::{Ballot, Kept, Roster, State};
+use cohold_environments::roles::squash;
+use cohold_environments::roles::squash::{Ball, Ending, Game, Phase, Turn, Verdict};
+use cohold_environments::{roles::collaborative::lock, roles::collaborative::lock::Copy};
+use cohold_environments::{roles::cooperative, roles::cooperative::Body};
+use cohold_protocol::wire::{Error, Event, PeerId};
 use proptest::prelude::*;
 
 pub(crate) fn locks() -> impl Strategy<Value = lock::Message> {

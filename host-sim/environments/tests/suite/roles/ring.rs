@@ -1,9 +1,9 @@
 //! A token ring on a network that delivers everything at once, and what happens when one end is cut off.
 
-use haptic_environments::roles::collaborative::ring::{Config, Message, Notice, Record, Ring, Roster};
-use haptic_environments::roles::collaborative::{Lease, NotOwner};
-use haptic_environments::roles::{Outbox, Role};
-use haptic_protocol::wire::PeerId;
+use cohold_environments::roles::collaborative::ring::{Config, Message, Notice, Record, Ring, Roster};
+use cohold_environments::roles::collaborative::{Lease, NotOwner};
+use cohold_environments::roles::{Outbox, Role};
+use cohold_protocol::wire::PeerId;
 
 const LEASE_US: u32 = 300_000;
 

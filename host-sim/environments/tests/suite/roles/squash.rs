@@ -1,11 +1,11 @@
 //! A game of squash as long as one can be, and what it is made of: flight, impact, bounds.
 
-use haptic_environments::roles::squash::{
+use cohold_environments::roles::squash::{
     Ball, BallBounds, Court, Ending, Impact, Message, MotionBounder, Notice, Phase, Player, PlayerConfig, RALLIES,
     Racket, RoundTrips, Server, ServerConfig, Turn,
 };
-use haptic_environments::roles::{Outbox, Role};
-use haptic_protocol::wire::PeerId;
+use cohold_environments::roles::{Outbox, Role};
+use cohold_protocol::wire::PeerId;
 
 /// Two who never hit the ball: a rally is over as soon as it has begun. Each end and each beginning is heard to the last.
 #[test]

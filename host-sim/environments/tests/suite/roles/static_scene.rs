@@ -3,9 +3,9 @@
 
 use std::collections::BTreeSet;
 
-use haptic_environments::records::{Body, Bounds, Database, Manifest, Object, Region, Scope, Shape};
-use haptic_environments::roles::static_scene::{BURST, Board, Download, Roam, Server, Taken};
-use haptic_protocol::wire::{Ask, Page, Part, Payload, Presence, Sighting, Topic};
+use cohold_environments::records::{Body, Bounds, Database, Manifest, Object, Region, Scope, Shape};
+use cohold_environments::roles::static_scene::{BURST, Board, Download, Roam, Server, Taken};
+use cohold_protocol::wire::{Ask, Page, Part, Payload, Presence, Sighting, Topic};
 
 use crate::random::Rng;
 

@@ -1,10 +1,10 @@
 //! Any message from anybody at any time: no role panics, and each is one value of fixed size.
 
-use haptic_environments::roles::collaborative::ring::{Config, Record, Ring, Roster};
-use haptic_environments::roles::collaborative::{Lease, lock};
-use haptic_environments::roles::squash::{Ball, Court, Player, PlayerConfig, Racket, Server, ServerConfig};
-use haptic_environments::roles::{Outbox, Role};
-use haptic_protocol::wire::PeerId;
+use cohold_environments::roles::collaborative::ring::{Config, Record, Ring, Roster};
+use cohold_environments::roles::collaborative::{Lease, lock};
+use cohold_environments::roles::squash::{Ball, Court, Player, PlayerConfig, Racket, Server, ServerConfig};
+use cohold_environments::roles::{Outbox, Role};
+use cohold_protocol::wire::PeerId;
 use proptest::prelude::*;
 
 use crate::roles::messages::{locks, rings, squashes};

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use haptic_core::num::Motion;
-use haptic_environments::world::host::{Host, MOST_LINES};
-use haptic_environments::world::load;
-use haptic_environments::world::visitor::{Setup, Visitor};
-use haptic_protocol::key::Key;
-use haptic_protocol::wire::{Header, VERSION};
+use cohold_core::num::Motion;
+use cohold_environments::world::host::{Host, MOST_LINES};
+use cohold_environments::world::load;
+use cohold_environments::world::visitor::{Setup, Visitor};
+use cohold_protocol::key::Key;
+use cohold_protocol::wire::{Header, VERSION};
 
 use super::world_file::TWO_ROOMS;
 
@@ -49,7 +49,7 @@ impl Pair {
             self.host.receive(self.now, CLIENT, &mut bytes.clone(), |to, bytes| answers.push((to, bytes.to_vec())));
             for (to, mut answer) in answers {
                 assert_eq!(to, CLIENT);
-                let server = haptic_environments::world::visitor::Correspondent::Server(1);
+                let server = cohold_environments::world::visitor::Correspondent::Server(1);
                 self.visitor.receive(self.now, server, &mut answer, |_, bytes| said.push(bytes.to_vec()));
             }
         }
@@ -147,7 +147,7 @@ impl Pair {
             }
             sent_to.extend(answers.iter().map(|(to, answer)| (*to, answer.len())));
             for (_, mut answer) in answers.into_iter().filter(|(to, _)| *to == CLIENT) {
-                let server = haptic_environments::world::visitor::Correspondent::Server(1);
+                let server = cohold_environments::world::visitor::Correspondent::Server(1);
                 self.visitor.receive(self.now, server, &mut answer, |_, bytes| said.push(bytes.to_vec()));
             }
         }
@@ -206,7 +206,7 @@ fn a_client_that_moves_is_answered_where_it_is_now() {
             // What goes to where it was is lost.
             for (_, mut answer) in answers.into_iter().filter(|(to, _)| *to == MOVED) {
                 to_moved += 1;
-                let server = haptic_environments::world::visitor::Correspondent::Server(1);
+                let server = cohold_environments::world::visitor::Correspondent::Server(1);
                 pair.visitor.receive(pair.now, server, &mut answer, |_, bytes| said.push(bytes.to_vec()));
             }
         }

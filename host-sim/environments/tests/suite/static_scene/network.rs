@@ -1,15 +1,15 @@
 //! Clients and servers over a bad network: what is felt is what the world is, whatever the network does.
 
-use haptic_core::num::Motion;
-use haptic_environments::records::{Object, Shape, Wall};
-use haptic_environments::roles::static_scene::Download;
-use haptic_environments::world::render::Renderer;
-use haptic_environments::world::{OBJECTS, World, load, parse};
-use haptic_protocol::ends::Ends;
-use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Link};
-use haptic_protocol::parameters::Parameters;
-use haptic_protocol::wire::PeerId;
+use cohold_core::num::Motion;
+use cohold_environments::records::{Object, Shape, Wall};
+use cohold_environments::roles::static_scene::Download;
+use cohold_environments::world::render::Renderer;
+use cohold_environments::world::{OBJECTS, World, load, parse};
+use cohold_protocol::ends::Ends;
+use cohold_protocol::key::Key;
+use cohold_protocol::link::{Config, Link};
+use cohold_protocol::parameters::Parameters;
+use cohold_protocol::wire::PeerId;
 
 use super::sim::Sim;
 use super::world_file::TWO_ROOMS;

@@ -1,8 +1,8 @@
 //! Local rendering against closed forms: walls, bodies and a strip, and what a download does to what is touched.
 
-use haptic_core::num::Motion;
-use haptic_environments::records::{Block, Body, Object, Shape, Strip, Wall};
-use haptic_environments::world::render::Renderer;
+use cohold_core::num::Motion;
+use cohold_environments::records::{Block, Body, Object, Shape, Strip, Wall};
+use cohold_environments::world::render::Renderer;
 
 type Hand = [Motion<f64>; 2];
 

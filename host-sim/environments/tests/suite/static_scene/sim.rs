@@ -2,15 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use haptic_core::num::Motion;
-use haptic_environments::world::World;
-use haptic_environments::world::host::Host;
-use haptic_environments::world::visitor::{Correspondent, Setup, Visitor};
-use haptic_protocol::key::Key;
-use haptic_sim::engine::{Actor, Engine, Out, Seat};
-use haptic_sim::network::link::Route;
-use haptic_sim::network::rule::Direction;
-use haptic_sim::scene::Scene;
+use cohold_core::num::Motion;
+use cohold_environments::world::World;
+use cohold_environments::world::host::Host;
+use cohold_environments::world::visitor::{Correspondent, Setup, Visitor};
+use cohold_protocol::key::Key;
+use cohold_sim::engine::{Actor, Engine, Out, Seat};
+use cohold_sim::network::link::Route;
+use cohold_sim::network::rule::Direction;
+use cohold_sim::scene::Scene;
 
 /// Seats: servers by number, then clients by line.
 const SERVERS: usize = 8;
@@ -85,7 +85,7 @@ impl Sim {
     /// A world without servers or visitors, over the scene's network (`network.…` overrides) with 8 ms one way.
     pub(crate) fn new(network: &[&str]) -> Self {
         let network: Vec<String> = network.iter().map(|key| format!("network.{key}")).collect();
-        let scene = Scene::load(haptic_sim::Laws::built_in(), None, &network).expect("a good network");
+        let scene = Scene::load(cohold_sim::Laws::built_in(), None, &network).expect("a good network");
         let seats = (0..SERVERS + CLIENTS).map(|_| Seat::new(End::Nobody)).collect();
         let route = |from: usize, to: usize| {
             let direction = if from < SERVERS { Direction::TwoToOne } else { Direction::OneToTwo };

@@ -1,7 +1,7 @@
 //! A stroke around an object that is pushed about: against statics, against the energy that it takes, against geometry.
 
-use haptic_environments::records::{Block, Body, Shape, Strip, Wall};
-use haptic_environments::world::stroke::{ARM, Options, Stroke, stroke};
+use cohold_environments::records::{Block, Body, Shape, Strip, Wall};
+use cohold_environments::world::stroke::{ARM, Options, Stroke, stroke};
 
 /// A triangle with a corner that points inwards: 51°, 217°, 51°, 41°.
 fn dart() -> Block {

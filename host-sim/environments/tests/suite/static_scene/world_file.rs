@@ -1,7 +1,7 @@
 //! World files: what is read, and what is refused in one line that says where, what and what is allowed.
 
-use haptic_environments::records::Shape;
-use haptic_environments::world::{load, parse};
+use cohold_environments::records::Shape;
+use cohold_environments::world::{load, parse};
 
 pub(crate) const TWO_ROOMS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/worlds/two-rooms.toml");
 

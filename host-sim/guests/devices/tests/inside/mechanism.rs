@@ -1,7 +1,7 @@
 //! The mechanisms of motors, against virtual work and closed forms.
 
-use haptic_sim::Laws;
-use haptic_sim::scene::Scene;
+use cohold_sim::Laws;
+use cohold_sim::scene::Scene;
 
 use super::*;
 

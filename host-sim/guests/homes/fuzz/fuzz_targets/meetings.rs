@@ -1,6 +1,6 @@
 //! See `src/meetings.rs`.
 #![no_main]
 
-use haptic_homes_fuzz::TARGETS;
+use cohold_homes_fuzz::TARGETS;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| (TARGETS[0].1)(bytes));

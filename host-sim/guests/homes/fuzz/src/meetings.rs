@@ -6,12 +6,12 @@ use std::collections::VecDeque;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
-use haptic_homes::agreement::{Accepter, Heard, Inviter};
-use haptic_homes::carrier::{Carrier, Config};
-use haptic_homes::invite::Invite;
-use haptic_homes::mapping::Mapping;
-use haptic_homes::place::Place;
-use haptic_protocol::key::Key;
+use cohold_homes::agreement::{Accepter, Heard, Inviter};
+use cohold_homes::carrier::{Carrier, Config};
+use cohold_homes::invite::Invite;
+use cohold_homes::mapping::Mapping;
+use cohold_homes::place::Place;
+use cohold_protocol::key::Key;
 
 fn at(address: &str) -> SocketAddr {
     address.parse().expect("an address")

@@ -2,11 +2,11 @@
 
 use std::time::{Duration, Instant};
 
-use haptic_homes::Error;
-use haptic_homes::agreement::{Accepter, Heard, Inviter, LEN, LIFE, code};
-use haptic_homes::invite::Invite;
-use haptic_protocol::cipher::Cipher;
-use haptic_protocol::key::{Key, NONCE_LEN};
+use cohold_homes::Error;
+use cohold_homes::agreement::{Accepter, Heard, Inviter, LEN, LIFE, code};
+use cohold_homes::invite::Invite;
+use cohold_protocol::cipher::Cipher;
+use cohold_protocol::key::{Key, NONCE_LEN};
 
 const MEET: &str = "203.0.113.1:4000";
 

@@ -3,10 +3,10 @@
 use std::net::{SocketAddr, UdpSocket};
 use std::time::{Duration, Instant};
 
-use haptic_homes::carried::Meeting;
-use haptic_live::batch::ReceivedBatch;
-use haptic_live::road::Roads as _;
-use haptic_protocol::key::Key;
+use cohold_homes::carried::Meeting;
+use cohold_live::batch::ReceivedBatch;
+use cohold_live::road::Roads as _;
+use cohold_protocol::key::Key;
 
 fn socket() -> (UdpSocket, SocketAddr) {
     let socket = UdpSocket::bind("127.0.0.1:0").expect("a socket on loopback");

@@ -2,15 +2,15 @@
 
 use std::net::SocketAddr;
 
-use haptic_homes::Way;
-use haptic_homes::agreement::{Accepter, Heard, Inviter};
-use haptic_homes::carrier::{Carrier, Config};
-use haptic_homes::frame::{Frame, Join, Welcome};
-use haptic_homes::invite::Invite;
-use haptic_homes::place::Place;
-use haptic_homes::seat::Seat;
-use haptic_protocol::key::Key;
-use haptic_protocol::wire::VERSION;
+use cohold_homes::Way;
+use cohold_homes::agreement::{Accepter, Heard, Inviter};
+use cohold_homes::carrier::{Carrier, Config};
+use cohold_homes::frame::{Frame, Join, Welcome};
+use cohold_homes::invite::Invite;
+use cohold_homes::place::Place;
+use cohold_homes::seat::Seat;
+use cohold_protocol::key::Key;
+use cohold_protocol::wire::VERSION;
 
 use super::world::{MEET, Router, World};
 

@@ -1,7 +1,7 @@
 //! A board behind the PC beside it, in virtual time: with a plain peer at the other end, and with another board behind a PC of its own.
 
-use haptic_homes::Way;
-use haptic_homes::bridge::Counts;
+use cohold_homes::Way;
+use cohold_homes::bridge::Counts;
 
 use super::homes_world::{World, beside};
 use super::two_homes::change_paths;

@@ -3,9 +3,9 @@
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
-use haptic_homes::bridge::Bridge;
-use haptic_homes::place::{BURST, RATE};
-use haptic_protocol::wire::{MAX_DATAGRAM, VERSION};
+use cohold_homes::bridge::Bridge;
+use cohold_homes::place::{BURST, RATE};
+use cohold_protocol::wire::{MAX_DATAGRAM, VERSION};
 
 fn board() -> SocketAddr {
     "192.168.77.1:7701".parse().expect("an address")

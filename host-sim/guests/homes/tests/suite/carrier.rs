@@ -2,9 +2,9 @@
 
 use std::net::SocketAddr;
 
-use haptic_homes::Way;
-use haptic_homes::place::Place;
-use haptic_protocol::key::Key;
+use cohold_homes::Way;
+use cohold_homes::place::Place;
+use cohold_protocol::key::Key;
 
 use super::world::{Router, World};
 

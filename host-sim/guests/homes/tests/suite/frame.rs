@@ -2,11 +2,11 @@
 
 use std::time::Instant;
 
-use haptic_homes::frame::{Frame, Join, LONGEST, Welcome};
-use haptic_homes::place::Place;
-use haptic_homes::stun;
-use haptic_protocol::key::Key;
-use haptic_protocol::wire::VERSION;
+use cohold_homes::frame::{Frame, Join, LONGEST, Welcome};
+use cohold_homes::place::Place;
+use cohold_homes::stun;
+use cohold_protocol::key::Key;
+use cohold_protocol::wire::VERSION;
 
 /// A message of STUN of so many bytes, of this type.
 pub(crate) fn stun_of(kind: u16, length: usize, transaction: [u8; 12]) -> Vec<u8> {

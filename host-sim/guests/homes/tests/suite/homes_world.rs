@@ -3,17 +3,17 @@
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
-use haptic_core::safety::Mode;
-use haptic_homes::Way;
-use haptic_homes::bridge::Bridge;
-use haptic_homes::carrier::{Carrier, Config};
-use haptic_homes::place::Place;
-use haptic_live::node::Node;
-use haptic_protocol::key::Key;
-use haptic_protocol::link::Notice;
-use haptic_sim::Laws;
-use haptic_sim::scene::Scene;
-use haptic_sim::scenes;
+use cohold_core::safety::Mode;
+use cohold_homes::Way;
+use cohold_homes::bridge::Bridge;
+use cohold_homes::carrier::{Carrier, Config};
+use cohold_homes::place::Place;
+use cohold_live::node::Node;
+use cohold_protocol::key::Key;
+use cohold_protocol::link::Notice;
+use cohold_sim::Laws;
+use cohold_sim::scene::Scene;
+use cohold_sim::scenes;
 
 /// One way by the meeting place, in two halves, and from end to end, ms.
 const RELAYED_MS: u64 = 40;
@@ -144,7 +144,7 @@ impl World {
     }
 
     /// Gives a carrier its turn, and what it then says to the network.
-    fn carry(&mut self, side: usize, turn: impl FnOnce(&mut Carrier, Instant, &mut haptic_homes::Send<'_>)) {
+    fn carry(&mut self, side: usize, turn: impl FnOnce(&mut Carrier, Instant, &mut cohold_homes::Send<'_>)) {
         let (now, mut sent) = (self.now(), Vec::new());
         if let Some(carrier) = &mut self.carriers[side] {
             turn(carrier, now, &mut |to, bytes: &[u8]| sent.push((to, bytes.to_vec())));

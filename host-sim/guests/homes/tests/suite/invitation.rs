@@ -4,12 +4,12 @@ use std::net::UdpSocket;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use haptic_homes::Error;
-use haptic_homes::agreement::{Accepter, Inviter};
-use haptic_homes::invitation::{accept, invite};
-use haptic_homes::meet::Meet;
-use haptic_live::endpoint::Stop;
-use haptic_protocol::key::Key;
+use cohold_homes::Error;
+use cohold_homes::agreement::{Accepter, Inviter};
+use cohold_homes::invitation::{accept, invite};
+use cohold_homes::meet::Meet;
+use cohold_live::endpoint::Stop;
+use cohold_protocol::key::Key;
 
 #[test]
 fn a_used_link_that_is_used_300_times_more_causes_one_line() {

@@ -1,7 +1,7 @@
 //! Links: read as they were written, and every slip found.
 
-use haptic_homes::Error;
-use haptic_homes::invite::Invite;
+use cohold_homes::Error;
+use cohold_homes::invite::Invite;
 
 #[test]
 fn a_link_is_read_as_it_was_written() {

@@ -3,8 +3,8 @@
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
-use haptic_homes::mapping::Mapping;
-use haptic_protocol::key::Key;
+use cohold_homes::mapping::Mapping;
+use cohold_protocol::key::Key;
 
 const ROUTER: &str = "192.168.1.1:5351";
 const OWN: &str = "192.168.1.10:40000";

@@ -3,10 +3,10 @@
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
-use haptic_homes::frame::{Join, Welcome};
-use haptic_homes::place::{BURST, LEAST, MOST_ROOMS, MOST_SEATS, Place, RATE, SILENCE};
-use haptic_homes::seat::Seat;
-use haptic_protocol::key::Key;
+use cohold_homes::frame::{Join, Welcome};
+use cohold_homes::place::{BURST, LEAST, MOST_ROOMS, MOST_SEATS, Place, RATE, SILENCE};
+use cohold_homes::seat::Seat;
+use cohold_protocol::key::Key;
 
 /// A meeting place, and what one says and hears there.
 struct Visit {
@@ -70,7 +70,7 @@ fn at(host: u32, port: u16) -> SocketAddr {
 
 /// A sealed datagram, as far as its first byte goes.
 fn sealed(bytes: usize) -> Vec<u8> {
-    vec![haptic_protocol::wire::VERSION; bytes]
+    vec![cohold_protocol::wire::VERSION; bytes]
 }
 
 #[test]
@@ -150,7 +150,7 @@ fn what_is_no_flow_and_what_is_too_long_goes_nowhere() {
     visit.join(at(1, 1), 7, 0);
     visit.join(at(2, 2), 7, 1);
     assert_eq!(visit.say(at(1, 1), &sealed(209)), []);
-    for first in (0..=255).filter(|first| ![haptic_protocol::wire::VERSION, 0xF3, 0xF4].contains(first)) {
+    for first in (0..=255).filter(|first| ![cohold_protocol::wire::VERSION, 0xF3, 0xF4].contains(first)) {
         let mut bytes = sealed(88);
         bytes[0] = first;
         assert_eq!(visit.say(at(1, 1), &bytes), [], "first byte {first}");

@@ -1,6 +1,6 @@
 //! The line's round trip falls from 80 ms to 16 ms and rises again, in virtual time. What hands feel of it is bounded, and nothing ends.
 
-use haptic_homes::Way;
+use cohold_homes::Way;
 
 use super::homes_world::{AGAINST, LED, World};
 

@@ -2,10 +2,10 @@
 
 use std::time::Instant;
 
-use haptic_homes::agreement::{Accepter, Heard, Inviter, code};
-use haptic_homes::frame::{Join, Welcome};
-use haptic_homes::seat::Seat;
-use haptic_protocol::key::Key;
+use cohold_homes::agreement::{Accepter, Heard, Inviter, code};
+use cohold_homes::frame::{Join, Welcome};
+use cohold_homes::seat::Seat;
+use cohold_protocol::key::Key;
 
 fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()

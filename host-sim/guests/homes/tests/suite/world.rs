@@ -9,11 +9,11 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::net::{IpAddr, SocketAddr};
 use std::time::{Duration, Instant};
 
-use haptic_homes::Way;
-use haptic_homes::carrier::{Carrier, Config};
-use haptic_homes::place::Place;
-use haptic_protocol::key::Key;
-use haptic_protocol::wire::VERSION;
+use cohold_homes::Way;
+use cohold_homes::carrier::{Carrier, Config};
+use cohold_homes::place::Place;
+use cohold_protocol::key::Key;
+use cohold_protocol::wire::VERSION;
 
 pub(crate) const MEET: &str = "203.0.113.1:4000";
 /// One way between home and anywhere, ms.

@@ -14,7 +14,7 @@
 //! Everything that comes from the third address is forged, so a peer that takes any of it is wrong, and so is one whose
 //! state is another afterwards: link, newest flow and the whole peer, compared as text for one forged datagram in
 //! 64 and as far as the other peer could tell for all. The one thing a stranger can do is to make a peer say
-//! welcome once more, by an old hello (a limit that `haptic_protocol::handshake` states); those are counted apart.
+//! welcome once more, by an old hello (a limit that `cohold_protocol::handshake` states); those are counted apart.
 //!
 //! The system drops what does not fit into a socket's buffer, valid or forged; how much of the valid flow came through is
 //! measured. The two nodes take every tick together, and their links' time is counted in ticks: on a machine that is slow,
@@ -25,13 +25,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Barrier, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use haptic_live::Error;
-use haptic_live::endpoint::{Endpoint, Live, Stop, Ticker};
-use haptic_live::key_file::entropy;
-use haptic_live::node::Node;
-use haptic_protocol::{key::Key, link::Notice, wire::Greeting};
-use haptic_sim::engine::{Actor, Out};
-use haptic_sim::{rng::Rng, scene::Scene};
+use cohold_live::Error;
+use cohold_live::endpoint::{Endpoint, Live, Stop, Ticker};
+use cohold_live::key_file::entropy;
+use cohold_live::node::Node;
+use cohold_protocol::{key::Key, link::Notice, wire::Greeting};
+use cohold_sim::engine::{Actor, Out};
+use cohold_sim::{rng::Rng, scene::Scene};
 
 /// Of so many forged datagrams that are refused, one has the whole state compared.
 const COMPARE_EVERY: u64 = 64;

@@ -6,13 +6,13 @@
 //!
 //! Both peers' control periods are the engine's, so that the instants of a restart against the other's packets are whole periods; the phases of the two peers' packets change with every restart.
 
-use haptic_core::peer::Actuators;
-use haptic_core::safety::Mode;
-use haptic_live::Error;
-use haptic_live::node::Node;
-use haptic_protocol::key::Key;
-use haptic_sim::engine::{Actor, Engine, EngineView, Out, Seat, Turn};
-use haptic_sim::{network::link::Route, network::rule::Direction, plant::Plant, rng::Rng, scene::Scene};
+use cohold_core::peer::Actuators;
+use cohold_core::safety::Mode;
+use cohold_live::Error;
+use cohold_live::node::Node;
+use cohold_protocol::key::Key;
+use cohold_sim::engine::{Actor, Engine, EngineView, Out, Seat, Turn};
+use cohold_sim::{network::link::Route, network::rule::Direction, plant::Plant, rng::Rng, scene::Scene};
 
 /// Longest that two peers may take to engage, s.
 const PATIENCE_S: f64 = 2.0;

@@ -1,4 +1,4 @@
-"""One end of a haptic line as LeRobot holds it, robot or teleoperator: a `haptic_sim.LivePeer`, read by key.
+"""One end of a haptic line as LeRobot holds it, robot or teleoperator: a `cohold.LivePeer`, read by key.
 
 Places and forces are of the shared world, in SI units. What cannot be told as it is raises: a reading is never an old one.
 """
@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-import haptic_sim
+import cohold
 from lerobot.utils.errors import DeviceAlreadyConnectedError, DeviceNotConnectedError
 
 # Names of the shared axes, first to last.
@@ -22,7 +22,7 @@ OLD_S = 0.5
 
 @dataclass(kw_only=True)
 class EndConfig:
-    """What an end is told; the same words as `host-sim peer` and `haptic_sim.LivePeer`."""
+    """What an end is told; the same words as `cohold peer` and `cohold.LivePeer`."""
 
     # Where this end listens and where the other one does, as 192.168.1.12:7701.
     listen: str = "127.0.0.1:7702"
@@ -68,9 +68,9 @@ class End:
 
     def __init__(self, config: EndConfig, name: str) -> None:
         self.config, self.name = config, name
-        self.scene = haptic_sim.Scene(config.scene, config.settings)
+        self.scene = cohold.Scene(config.scene, config.settings)
         self.axes = int(self.scene["axis.shared"])
-        self.peer: haptic_sim.LivePeer | None = None
+        self.peer: cohold.LivePeer | None = None
         self._was_armed = False
         self._newest = (-1.0, 0.0)
 
@@ -90,15 +90,15 @@ class End:
             **changed,
         }
         self._was_armed, self._newest = False, (-1.0, 0.0)
-        self.peer = haptic_sim.LivePeer(self.scene, number, **told)
+        self.peer = cohold.LivePeer(self.scene, number, **told)
 
-    def held(self) -> haptic_sim.LivePeer:
+    def held(self) -> cohold.LivePeer:
         """The peer, if it is connected."""
         if self.peer is None:
             raise DeviceNotConnectedError(f"{self.name} is not connected: call connect() first")
         return self.peer
 
-    def state(self) -> haptic_sim.LiveState:
+    def state(self) -> cohold.LiveState:
         """Its newest tick. The first time it waits until both ends are armed."""
         peer = self.held()
         if not self._was_armed:
@@ -118,7 +118,7 @@ class End:
             raise DeviceNotConnectedError(f"{self.name} stands still: its newest tick is {old_s:.1f} s old")
         return state
 
-    def _wait(self, peer: haptic_sim.LivePeer) -> None:
+    def _wait(self, peer: cohold.LivePeer) -> None:
         try:
             self._was_armed = peer.wait_armed(self.config.wait_s)
         except RuntimeError as error:
@@ -137,7 +137,7 @@ class End:
             peer.close()
 
 
-def _why(peer: haptic_sim.LivePeer) -> str:
+def _why(peer: cohold.LivePeer) -> str:
     """Why a peer has ended."""
     try:
         report = peer.report

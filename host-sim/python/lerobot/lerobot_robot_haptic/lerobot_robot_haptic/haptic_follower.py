@@ -13,7 +13,7 @@ import tempfile
 from functools import cached_property
 from typing import Any
 
-import haptic_sim
+import cohold
 from lerobot.cameras import make_cameras_from_configs
 from lerobot.robots import Robot
 
@@ -49,7 +49,7 @@ class HapticFollower(Robot):
         self.config = config
         self.end = End(config, f"{self.name} {config.id}" if config.id else self.name)
         # Who leads it in a replay.
-        self.leader: haptic_sim.LivePeer | None = None
+        self.leader: cohold.LivePeer | None = None
         # Metres of the world to a metre of that leader's device.
         self._leader_scale = 1.0
         self.cameras = make_cameras_from_configs(config.cameras)
@@ -94,12 +94,12 @@ class HapticFollower(Robot):
         here, there = _free_addresses()
         with tempfile.TemporaryDirectory() as folder:
             key = pathlib.Path(folder) / "replay.key"
-            haptic_sim.generate_key(key)
+            cohold.generate_key(key)
             self.end.open(2, listen=here, connect=there, key=key)
             users_own = {f"user.1.{does}": 0.0 for does in _NOTHING}
-            scene = haptic_sim.Scene(self.config.scene, {**self.config.settings, **users_own})
+            scene = cohold.Scene(self.config.scene, {**self.config.settings, **users_own})
             self._leader_scale = float(scene["peer.1.scale.position"])
-            self.leader = haptic_sim.LivePeer(
+            self.leader = cohold.LivePeer(
                 scene, 1, listen=there, connect=here, key=key, patience_s=self.config.wait_s
             )
 

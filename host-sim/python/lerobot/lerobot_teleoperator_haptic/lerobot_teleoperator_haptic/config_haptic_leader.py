@@ -16,7 +16,7 @@ PLACES = ("here", "far")
 class HapticLeaderConfig(EndConfig, TeleoperatorConfig):
     listen: str = "127.0.0.1:7701"
     connect: str = "127.0.0.1:7702"
-    # "here": at this machine, and this process holds its peer. "far": at another one, whose `host-sim peer --number 1` holds it; what it does
+    # "here": at this machine, and this process holds its peer. "far": at another one, whose `cohold peer --number 1` holds it; what it does
     # is what the robot's peer hears of it, and nothing else here is asked for but the scene.
     at: str = "here"
 

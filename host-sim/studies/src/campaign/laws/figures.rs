@@ -1,7 +1,7 @@
 //! The bench as a picture: what each law lets a hand feel.
 
-use haptic_plot::{Dash, Figure, Panel, Series, ShareY};
-use haptic_sim::measure::impedance::{Complex, SPEED_M_PER_S};
+use cohold_plot::{Dash, Figure, Panel, Series, ShareY};
+use cohold_sim::measure::impedance::{Complex, SPEED_M_PER_S};
 
 use super::Row;
 use super::touch::Point;

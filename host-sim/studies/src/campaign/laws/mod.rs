@@ -24,13 +24,13 @@ pub mod touch;
 
 use std::path::Path;
 
-use haptic_core::settings::LawInfo;
-use haptic_protocol::wire::packet_bytes;
-use haptic_sim::pair::Pair;
-use haptic_sim::peers::Laws;
-use haptic_sim::scene::{Scene, law_meant};
-use haptic_sim::scenes;
-use haptic_sim::user::User;
+use cohold_core::settings::LawInfo;
+use cohold_protocol::wire::packet_bytes;
+use cohold_sim::pair::Pair;
+use cohold_sim::peers::Laws;
+use cohold_sim::scene::{Scene, law_meant};
+use cohold_sim::scenes;
+use cohold_sim::user::User;
 
 use self::promises::Kept;
 use self::stability::Stability;

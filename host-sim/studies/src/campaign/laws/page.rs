@@ -1,16 +1,16 @@
 //! The bench as a page of the documentation: docs/laws.md, whole but for what other commands write between lines of their own, which is
 //! kept as it is found.
 
-use haptic_core::settings::Key;
-use haptic_io::Most;
-use haptic_sim::run::Verdict;
+use cohold_core::settings::Key;
+use cohold_io::Most;
+use cohold_sim::run::Verdict;
 
 use super::tables::parts;
 use super::{LADDER, PACKET_BYTES, Row};
 use crate::Error;
 use crate::bench::page::BENCH;
 
-/// Between these lines of the page stands what `host-sim stability prove --page` writes.
+/// Between these lines of the page stands what `cohold stability prove --page` writes.
 pub const PROOFS: [&str; 2] = ["<!-- proofs begin -->", "<!-- proofs end -->"];
 
 /// What stands there at first.
@@ -20,7 +20,7 @@ const NO_PROOFS: &str = "No law is proved here yet.";
 pub const PAPERS: [&str; 2] = ["<!-- papers begin -->", "<!-- papers end -->"];
 
 /// What stands there at first: what is to be written.
-const NO_PAPERS: &str = "<!-- table of host-sim paper published -->";
+const NO_PAPERS: &str = "<!-- table of cohold paper published -->";
 
 /// What stands between the bench's lines at first.
 const NO_BENCH: &str = "No bench was run yet.";
@@ -47,7 +47,7 @@ pub fn page(rows: &[Row], each_tick: &[Row], old: &str) -> String {
          this page by hand. A law is one file in `core/src/law/` and one line in its list, or a crate of its own ([example](../examples/outside-law)).\n\n\
          ## Fronts\n\n{first_bench}\n{bench}\n{last_bench}\n\n\
          ## At the gains that laws declare\n\n\
-         Written by `host-sim study laws all --page docs/laws.md`. **One scene for all**: two users push 1 N toward each other, one adds 0.25 sin 3t N (the cooperation paper's\n\
+         Written by `cohold study laws all --page docs/laws.md`. **One scene for all**: two users push 1 N toward each other, one adds 0.25 sin 3t N (the cooperation paper's\n\
          §5.2); m_O = 0.3 kg, K_LC = 1000 N/m, B_LC = 2 N·s/m, 8 ms one way, a packet every 8 ms; one solve a tick (`object.integrator = \"midpoint\"`, `coordination.decode =\n\
          \"implicit\"`, no object delay); in silence every peer lets go as late ({ladder}), whatever its law declares. Each law\n\
          has the gains that it declares, in the column K_T and below; nothing is tuned, so the table ranks no law: it says what holds where. {networks} networks, 20 seeds wherever a\n\

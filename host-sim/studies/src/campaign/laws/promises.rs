@@ -1,4 +1,4 @@
-//! Whether a law kept on the bench what its [`LawInfo`](haptic_core::settings::LawInfo) promises.
+//! Whether a law kept on the bench what its [`LawInfo`](cohold_core::settings::LawInfo) promises.
 //!
 //! | promise | looked at | kept |
 //! |---|---|---|
@@ -8,12 +8,12 @@
 //!
 //! What is kept here is kept on these networks and seeds; tests of the laws and proofs say more.
 
-use haptic_core::settings::Promise;
-use haptic_sim::network::rule::Direction;
-use haptic_sim::pair::Pair;
-use haptic_sim::run::Outcome;
-use haptic_sim::scene::Scene;
-use haptic_sim::user::{Trace, User};
+use cohold_core::settings::Promise;
+use cohold_sim::network::rule::Direction;
+use cohold_sim::pair::Pair;
+use cohold_sim::run::Outcome;
+use cohold_sim::scene::Scene;
+use cohold_sim::user::{Trace, User};
 
 use super::super::Cell;
 use crate::Error;

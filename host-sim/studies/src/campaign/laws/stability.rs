@@ -1,10 +1,10 @@
 //! What the analyser says of a law: the largest K_T in every mode, the largest K_LC, and the verdict on the gains as declared.
 
-use haptic_analysis::tune::{CONTACT, COORDINATION};
-use haptic_analysis::{Effort, Hands, Judgement, Limit, Range, is_linear, judge, limit};
-use haptic_core::names::Choice;
-use haptic_sim::measure::impedance::{RemoteEnd, SPEED_M_PER_S, felt};
-use haptic_sim::scene::Scene;
+use cohold_analysis::tune::{CONTACT, COORDINATION};
+use cohold_analysis::{Effort, Hands, Judgement, Limit, Range, is_linear, judge, limit};
+use cohold_core::names::Choice;
+use cohold_sim::measure::impedance::{RemoteEnd, SPEED_M_PER_S, felt};
+use cohold_sim::scene::Scene;
 
 use crate::Error;
 

@@ -1,8 +1,8 @@
 //! The bench as tables: a row a law, whole or in three parts that fit a page, and a row a law and frequency.
 
-use haptic_analysis::Limit;
-use haptic_report::{Columns, Rows};
-use haptic_sim::run::{Outcome, Verdict};
+use cohold_analysis::Limit;
+use cohold_report::{Columns, Rows};
+use cohold_sim::run::{Outcome, Verdict};
 
 use super::super::Cell;
 use super::stability::{Stability, stable_to};

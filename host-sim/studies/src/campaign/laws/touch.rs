@@ -8,11 +8,11 @@
 //! frequency up to [`PASSIVE_TO_HZ`], with the far hand on or off: −Re Z where that is largest. 0 is passive as it is. Above, contact, sampling and
 //! hold are felt whatever the law: half the packet rate of the campaign's scene is 62.5 Hz.
 
-use haptic_sim::measure::impedance::{
+use cohold_sim::measure::impedance::{
     BAND_HZ, Complex, POINTS, RemoteEnd, SPEED_M_PER_S, felt as impedance, frequencies_hz,
 };
-use haptic_sim::measure::swing;
-use haptic_sim::scene::Scene;
+use cohold_sim::measure::swing;
+use cohold_sim::scene::Scene;
 use rayon::prelude::*;
 
 use crate::Error;

@@ -1,6 +1,6 @@
 //! A client's end of a lock: asks, knows how long it may edit, releases.
 
-use haptic_protocol::{notices::Notices, wire::PeerId};
+use cohold_protocol::{notices::Notices, wire::PeerId};
 
 use super::message::{Copy, Message};
 use crate::roles::collaborative::lease::Requests;

@@ -1,6 +1,6 @@
 //! What clients and server of a lock say to each other.
 
-use haptic_protocol::bytes::layout;
+use cohold_protocol::bytes::layout;
 
 use crate::roles::collaborative::Value;
 use crate::roles::messages::messages;

@@ -1,6 +1,6 @@
 //! Holder: keeps the support of a majority, edits, publishes, passes the token on.
 
-use haptic_protocol::wire::PeerId;
+use cohold_protocol::wire::PeerId;
 
 use super::message::{Ballot, Held, Holding, Kept, MemberRecord, MemberState, Message, Roster, SEATS, Stage, State};
 use super::{Notice, Ring};

@@ -1,7 +1,7 @@
 //! What a member does for the others: keeps the state, supports one holder at a time, votes; and how as a candidate it makes a lost
 //! token anew, never two of them.
 
-use haptic_protocol::wire::PeerId;
+use cohold_protocol::wire::PeerId;
 
 use super::message::{Ballot, Candidacy, Kept, MemberState, Message, Roster};
 use super::{Notice, Record, Ring};

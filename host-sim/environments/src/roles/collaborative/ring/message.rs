@@ -1,6 +1,6 @@
 //! Who the members of a ring are, what they say to each other, and what each is just now.
 
-use haptic_protocol::bytes::{layout, newtype};
+use cohold_protocol::bytes::{layout, newtype};
 
 use crate::roles::collaborative::Value;
 use crate::roles::messages::messages;

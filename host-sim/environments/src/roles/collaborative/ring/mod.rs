@@ -24,7 +24,7 @@
 //! **Limits**: [`SEATS`] members; epochs are 28 bits; turns, versions and a member's holds between two starts 32 (6 years of
 //! having the token under a lease of 300 ms, 82 days under the shortest).
 
-use haptic_protocol::{notices::Notices, wire::PeerId};
+use cohold_protocol::{notices::Notices, wire::PeerId};
 
 use super::lease::Requests;
 use super::{Lease, NotOwner, Value};

@@ -31,7 +31,7 @@ def run(
     """Runs a sweep on the client's workers and gives its table: to the last bit that of `sweep.run(folder)`, but for `spectral_radius`,
     which depends on the processor (to 1e-9 the same).
 
-    What is in the folder already is not run again; the folder is that of `host-sim study sweep --out`. `progress` is told how many runs have
+    What is in the folder already is not run again; the folder is that of `cohold study sweep --out`. `progress` is told how many runs have
     come back, and of how many. A task that fails on every worker raises its error here after all others have been kept.
     """
     with sweep.open(folder) as journal:

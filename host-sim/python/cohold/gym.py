@@ -1,6 +1,6 @@
 """An environment for Gymnasium: one user's hand carries an object to a place, together with a partner, over a network that loses packets.
 
-    import gymnasium, haptic_sim.gym
+    import gymnasium, cohold.gym
     env = gymnasium.make("haptic/Carry-v0")
     envs = gymnasium.make_vec("haptic/Carry-v0", num_envs=256)        # one native call a step for all
 

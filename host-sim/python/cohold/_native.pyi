@@ -68,7 +68,7 @@ class Scene:
 
 @final
 class Run:
-    """What a run gave, as `host-sim cooperate` tells it."""
+    """What a run gave, as `cohold cooperate` tells it."""
 
     def _repr_html_(self) -> str: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
@@ -274,7 +274,7 @@ class Peer:
 
 @final
 class Sweep:
-    """A scene over its keys and over seeds, the question that `host-sim study sweep` asks.
+    """A scene over its keys and over seeds, the question that `cohold study sweep` asks.
 
     `over` is a grid: for each key its values, as a sequence or as the command line writes them ("200..20000:20:log", "0,0.1,0.3").
     `sample` is drawn, `points` of it at each point of the grid, evenly by `design` ("sobol" or "latin-hypercube"): for each key a range
@@ -322,7 +322,7 @@ class Sweep:
     ) -> dict[str, NDArray[Any]]:
         """Runs everything on so many threads (0: as many as there are cores) and gives the table by column, a row a run.
 
-        With a folder it is kept there as `host-sim study sweep --out` keeps it: what is there already is not run again, and in the end
+        With a folder it is kept there as `cohold study sweep --out` keeps it: what is there already is not run again, and in the end
         `sweep.csv` and `sweep.parquet` stand there. Raises OSError where that is another sweep's folder, or cannot be written.
         `progress` is told now and then how many runs are done, and of how many.
         """
@@ -337,7 +337,7 @@ class Sweep:
 
 @final
 class Study:
-    """Scenes or laws over keys, networks and seeds: which is best where, under which bounds, and how sure that is; the question of `host-sim
+    """Scenes or laws over keys, networks and seeds: which is best where, under which bounds, and how sure that is; the question of `cohold
     study`.
 
     `entrants` are texts as the command line takes them ("wave", "any-network,object.mass_kg=0.1", a law at its own gains or a scene), or
@@ -384,7 +384,7 @@ class Study:
         """Runs everything on so many threads (0: as many as there are cores); or with `search="halving"` only what decides which points have the least
         of `best` under the bounds `at_most`, which is then what may be asked of the findings.
 
-        With a folder it is kept there as `host-sim study --out` keeps it: what is there already is not run again, and in the end
+        With a folder it is kept there as `cohold study --out` keeps it: what is there already is not run again, and in the end
         `study.csv` and `study.parquet` stand there. Raises OSError where that is another study's folder, or cannot be written.
         `progress` is told now and then how many runs are done, and of how many; a search may need fewer.
         """
@@ -517,7 +517,7 @@ class LiveState:
 
 @final
 class LivePeer:
-    """A peer in real time: `host-sim peer` in a native thread of its own, with no Python in its tick, read and steered from here at any rate.
+    """A peer in real time: `cohold peer` in a native thread of its own, with no Python in its tick, read and steered from here at any rate.
 
     `scene` is a Scene, the name of a built-in one, a file, or a dict of settings over the recommended scene; `number` 1 (left) or 2
     (right); `listen` and `connect` are where this end and the other one are, `key` is the key file that both have (`generate_key`).
@@ -551,7 +551,7 @@ class LivePeer:
 
     @property
     def second(self) -> dict[str, Any] | None:
-        """What its newest whole second was, and what was measured of the line in it: as `host-sim peer --json-lines` says it; None before."""
+        """What its newest whole second was, and what was measured of the line in it: as `cohold peer --json-lines` says it; None before."""
 
     @property
     def verdict(self) -> dict[str, Any] | None:
@@ -563,7 +563,7 @@ class LivePeer:
 
     @property
     def report(self) -> dict[str, Any] | None:
-        """What `host-sim peer --json` reports at the end; None while it runs. Raises RuntimeError if the run failed."""
+        """What `cohold peer --json` reports at the end; None while it runs. Raises RuntimeError if the run failed."""
 
     @property
     def clutch(self) -> bool:
