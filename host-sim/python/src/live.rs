@@ -39,7 +39,7 @@ const LONGEST_S: f64 = 3.2e9;
 const FARTHEST_M: f64 = 10.0;
 
 /// What a live peer was at its newest tick. Along several shared axes each quantity is a tuple; places and forces are of the shared world.
-#[pyclass(module = "cohold_sim", frozen, get_all)]
+#[pyclass(module = "cohold", frozen, get_all)]
 pub(crate) struct LiveState {
     /// Time since the peer began, s.
     time_s: f64,
@@ -87,7 +87,7 @@ impl LiveState {
 /// With `arm=False` it waits for `arm()`. What ends the object lets go.
 ///
 /// Raises ValueError for what is not allowed, and OSError for a file or an address that cannot be opened.
-#[pyclass(module = "cohold_sim", frozen, weakref)]
+#[pyclass(module = "cohold", frozen, weakref)]
 pub(crate) struct LivePeer {
     held: Arc<Held>,
     number: u8,

@@ -109,7 +109,7 @@ type Shared = Arc<Mutex<Box<dyn Steps>>>;
 /// Forces are N toward the other peer, from -1000 to 1000: of each user a number, or, along several shared axes, as many (user 2's point
 /// the opposite way along every axis). What a step gives is the 12 numbers that `COLUMNS` names, after the tick; along several axes a row
 /// of them for each. One thread at a time may step it.
-#[pyclass(module = "cohold_sim", name = "Pair")]
+#[pyclass(module = "cohold", name = "Pair")]
 pub(crate) struct Pair {
     pair: Shared,
     /// Axes along which the object is shared, and numbers that are seen of each.

@@ -35,7 +35,7 @@ type Own = Box<dyn Steps>;
 /// begins anew when it is told to.
 ///
 /// What is seen of a pair is the 22 numbers that `COLUMNS` names; along several axes a row of them for each. One thread at a time may step them.
-#[pyclass(module = "cohold_sim", name = "Pairs")]
+#[pyclass(module = "cohold", name = "Pairs")]
 pub(crate) struct Pairs {
     scene: cohold_sim::Scene,
     scalar: String,

@@ -110,7 +110,7 @@ fn built<S: Builds<SHARED, N>, const SHARED: usize, const N: usize>(
 /// Places and forces are of the shared world, in which x points from peer 1 to peer 2; along several shared axes each is a sequence. The
 /// scene's device, users and network are not simulated; its verdict (`stability`) is about them all the same. A peer is a value:
 /// `copy.copy(peer)` is a saved state that goes on by itself.
-#[pyclass(module = "cohold_sim", name = "Peer")]
+#[pyclass(module = "cohold", name = "Peer")]
 pub(crate) struct Peer {
     peer: Box<dyn Steps>,
     /// As it was when it was made.

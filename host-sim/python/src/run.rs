@@ -40,7 +40,7 @@ pub(crate) fn html(title: &str, rows: &[(String, String)]) -> String {
 }
 
 /// What a run gave, as `cohold cooperate` tells it.
-#[pyclass(module = "cohold_sim", frozen, get_all)]
+#[pyclass(module = "cohold", frozen, get_all)]
 pub(crate) struct Run {
     /// Every recorded column by name (the unit is its end), a row a recorded tick: what stands in the command's CSV.
     columns: Py<PyDict>,

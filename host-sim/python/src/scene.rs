@@ -18,7 +18,7 @@ use crate::work::{here, refused};
 /// `pathlib.Path` a file. Settings are then applied in their order. Keys, units and ranges are those of scene files (`keys()`).
 ///
 /// Raises ValueError with the line that the command line prints, and OSError for a file that cannot be read.
-#[pyclass(module = "cohold_sim")]
+#[pyclass(module = "cohold")]
 #[derive(Clone)]
 pub(crate) struct Scene {
     pub(crate) scene: cohold_sim::Scene,

@@ -9,7 +9,7 @@ use crate::scene::Scene;
 use crate::work::{here, refused};
 
 /// The verdict on a scene in every mode that it can enter.
-#[pyclass(module = "cohold_sim", frozen, get_all)]
+#[pyclass(module = "cohold", frozen, get_all)]
 pub(crate) struct Stability {
     /// Every mode is stable.
     stable: bool,

@@ -35,7 +35,7 @@ use crate::work::{Progress, here, on_threads, refused};
 /// the other half says how good it is.
 ///
 /// Raises ValueError for what there is not, and for a value or a combination that is not allowed at any point.
-#[pyclass(module = "cohold_sim", frozen)]
+#[pyclass(module = "cohold", frozen)]
 pub(crate) struct Study {
     study: Arc<study::Study>,
 }
@@ -209,7 +209,7 @@ impl Study {
 }
 
 /// What a study found.
-#[pyclass(module = "cohold_sim", frozen)]
+#[pyclass(module = "cohold", frozen)]
 pub(crate) struct Findings {
     study: Arc<study::Study>,
     question: Provenance,

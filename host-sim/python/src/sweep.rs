@@ -26,7 +26,7 @@ use crate::work::{Progress, here, on_threads, refused};
 /// ("0..0.3", "0.02..1:log", "1..9:whole") or values. Every point is run for `seconds` in f64 with the same `seeds`.
 ///
 /// Raises ValueError for a key that there is not, and for a value or a combination that is not allowed at any point.
-#[pyclass(module = "cohold_sim", frozen)]
+#[pyclass(module = "cohold", frozen)]
 pub(crate) struct Sweep {
     sweep: Arc<sweep::Sweep>,
     /// As they are written on the command line.
@@ -296,7 +296,7 @@ impl Sweep {
 }
 
 /// A folder of a sweep that is being filled; nobody else fills it until `close`, or the end of its `with`.
-#[pyclass(module = "cohold_sim")]
+#[pyclass(module = "cohold")]
 pub(crate) struct Journal {
     sweep: Arc<sweep::Sweep>,
     question: Provenance,

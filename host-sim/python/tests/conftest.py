@@ -7,7 +7,7 @@ import subprocess
 import pytest
 
 
-def cohold(*arguments: object, fails: bool = False) -> dict:
+def command_line(*arguments: object, fails: bool = False) -> dict:
     """What `cohold … --json` says, be it good (exit status 0) or not (1), or, of one that cannot be done (2), its line."""
     command = [os.environ["COHOLD"], *map(str, arguments), "--json"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300)
@@ -15,6 +15,6 @@ def cohold(*arguments: object, fails: bool = False) -> dict:
     return {"error": done.stderr.strip()} if fails else json.loads(done.stdout)
 
 
-@pytest.fixture(name="cohold")
-def _cohold():
-    return cohold
+@pytest.fixture(name="command_line")
+def _command_line():
+    return command_line

@@ -13,11 +13,11 @@ def said(name: str, folder: pathlib.Path, *arguments: str) -> str:
     return subprocess.run(command, capture_output=True, text=True, cwd=folder, check=True).stdout
 
 
-def test_figure(tmp_path, cohold):
+def test_figure(tmp_path, command_line):
     told = said("figure", tmp_path, "figure.pdf")
     assert (tmp_path / "figure.pdf").read_bytes().startswith(b"%PDF")
     for comm in ("power", "wave", "passive-wave"):
-        run = cohold("cooperate", "--scene", f"paper-5.2-{comm}-16ms")
+        run = command_line("cooperate", "--scene", f"paper-5.2-{comm}-16ms")
         assert run["state_hash"] in told and f"decoded {run['decoded_discrepancy_mm']:.3f} mm" in told
 
 

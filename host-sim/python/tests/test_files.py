@@ -24,8 +24,8 @@ def same(csv: pathlib.Path) -> pandas.DataFrame:
     return frame
 
 
-def test_a_run(tmp_path, cohold):
-    files = cohold("cooperate", "--scene", "matched-line", "--seconds", 1, "--out", tmp_path)["files"]
+def test_a_run(tmp_path, command_line):
+    files = command_line("cooperate", "--scene", "matched-line", "--seconds", 1, "--out", tmp_path)["files"]
     csv = [pathlib.Path(file) for file in files if file.endswith(".csv")]
     for file in csv:
         same(file)
@@ -34,27 +34,27 @@ def test_a_run(tmp_path, cohold):
     assert 'number_type = "f64"' in made
 
 
-def test_a_sweep(tmp_path, cohold):
+def test_a_sweep(tmp_path, command_line):
     over = ("--over", "coordination.stiffness_n_per_m=200..20000:4:log", "--over", "network.loss=0,0.2")
-    cohold("study", "sweep", "--scene", "paper-5.2-wave-16ms", *over, "--seconds", 2, "--seeds", 2, "--out", tmp_path / "sweep")
+    command_line("study", "sweep", "--scene", "paper-5.2-wave-16ms", *over, "--seconds", 2, "--seeds", 2, "--out", tmp_path / "sweep")
     frame = same(tmp_path / "sweep" / "sweep.csv")
     assert len(frame) == 16 and frame[frame["stable"] == 0]["reason"].str.len().min() > 0
     rows = pandas.read_csv(tmp_path / "sweep" / "rows-1-of-1.csv")
     assert set(rows["state_hash"]) == set(frame["state_hash"])
 
 
-def test_a_recording(tmp_path, cohold):
+def test_a_recording(tmp_path, command_line):
     record = tmp_path / "run.mcap"
-    cohold("cooperate", "--scene", "any-network", "--seconds", 1, "--record", record)
-    cohold("recording", "convert", record, tmp_path / "run.csv")
-    cohold("recording", "convert", record, tmp_path / "run.parquet")
+    command_line("cooperate", "--scene", "any-network", "--seconds", 1, "--record", record)
+    command_line("recording", "convert", record, tmp_path / "run.csv")
+    command_line("recording", "convert", record, tmp_path / "run.parquet")
     for csv in tmp_path.glob("*.csv"):
         same(csv)
     assert len(pandas.read_csv(tmp_path / "run.csv")) == 1000
 
 
-def test_tables_of_a_study(tmp_path, cohold):
-    cohold("paper", "--out", tmp_path)
+def test_tables_of_a_study(tmp_path, command_line):
+    command_line("paper", "--out", tmp_path)
     tables = list(tmp_path.rglob("*.csv"))
     assert tables
     for csv in tables:
@@ -75,14 +75,14 @@ PAIRS = {"network_name": "string", "common_networks": "int64", "difference": "do
 POINTS = {"runs": "int64", "every_mode_stable": "bool", "unstable_modes": "string", "true_discrepancy_mm": "double", "reason": "string"}
 
 
-def test_a_column_is_what_it_is_declared_as_where_nothing_failed_and_where_all_did(tmp_path, cohold):
+def test_a_column_is_what_it_is_declared_as_where_nothing_failed_and_where_all_did(tmp_path, command_line):
     """Texts that are all missing are texts, flags with missing values are flags, and counts are whole numbers."""
     over = ("--over", "network.one_way_delay_packets=1,2", "--over", "coordination.ledger=false", "--seconds", 1, "--seeds", 2)
     for name, stiffness in (("good", "200,300"), ("bad", "20000,30000")):
         varied = ("--over", f"coordination.stiffness_n_per_m={stiffness}", *over)
-        cohold("study", "sweep", "--scene", "paper-5.2-wave-16ms", *varied, "--out", tmp_path / name)
+        command_line("study", "sweep", "--scene", "paper-5.2-wave-16ms", *varied, "--out", tmp_path / name)
         at_most = ("--at-most", "peak_coordination_force_n=40" if name == "good" else "peak_coordination_force_n=0")
-        cohold("study", "passive-mean", "wave", *varied, *at_most, "--out", tmp_path / name)
+        command_line("study", "passive-mean", "wave", *varied, *at_most, "--out", tmp_path / name)
     good, bad = tmp_path / "good", tmp_path / "bad"
     for name, wanted in (("sweep", RUN | MERITS | KEYS), ("study", RUN | MERITS | KEYS), ("study-best", BEST | KEYS), ("study-pairs", PAIRS), ("study-points", POINTS | KEYS)):
         found = types(good / f"{name}.parquet")
@@ -95,9 +95,9 @@ def test_a_column_is_what_it_is_declared_as_where_nothing_failed_and_where_all_d
     assert set(best[0]["next_judged"]) == {True} and best[1]["next_judged"] == [None, None] == best[1]["mean"]
 
 
-def test_the_campaign_and_the_bench_have_types_as_well(tmp_path, cohold):
-    cohold("study", "laws", "power", "--out", tmp_path)
-    cohold("study", "bench", "--law", "power", "--budget", 2, "--seeds", 1, "--out", tmp_path)
+def test_the_campaign_and_the_bench_have_types_as_well(tmp_path, command_line):
+    command_line("study", "laws", "power", "--out", tmp_path)
+    command_line("study", "bench", "--law", "power", "--budget", 2, "--seeds", 1, "--out", tmp_path)
     wanted = {
         "laws": {"law": "string", "packets_per_s": "double"},
         "laws-networks": {"stable": "bool", "verdict": "string", "true_discrepancy_mm": "double", "reason": "string"},

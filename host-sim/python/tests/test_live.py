@@ -80,7 +80,7 @@ class Handle:
         self.forces.append(self.force_n)
 
 
-def test_two_peers_hold_one_object_and_a_recording_is_read_back(line, tmp_path, cohold):
+def test_two_peers_hold_one_object_and_a_recording_is_read_back(line, tmp_path, command_line):
     """1 N from each side: where statics say, in one process; what was recorded says the same."""
     record = tmp_path / "one.mcap"
     # Fingers that damp: the scene's own device alone swings for seconds.
@@ -110,7 +110,7 @@ def test_two_peers_hold_one_object_and_a_recording_is_read_back(line, tmp_path, 
     assert report["punctuality"]["beats"] > 2500 and report["true_discrepancy_mm"] < 1.0
     assert report["recorded"].endswith("one.mcap")
     # As a recording of the command is read.
-    cohold("recording", "convert", record, tmp_path / "one.parquet")
+    command_line("recording", "convert", record, tmp_path / "one.parquet")
     table = pandas.read_parquet(tmp_path / "one.parquet")
     assert len(table) > 2500
     # What Python saw is the very tick that was recorded.

@@ -18,12 +18,12 @@ LONG_LINES = ["leader-follower", "leader-follower-wall"]
 
 
 @pytest.mark.parametrize("name", cohold.scenes())
-def test_every_built_in_scene_gives_the_command_lines_bits(name, cohold):
+def test_every_built_in_scene_gives_the_command_lines_bits(name, command_line):
     scene = cohold.Scene(name)
     for scalar in SCALARS[:1] if name in LONG_LINES else SCALARS:
         run = cohold.run(scene, SECONDS, scalar, every=0)
         assert len(run.axes) == scene["axis.shared"] and run.axes[0].keys() == run.columns.keys()
-        told = cohold("cooperate", "--scene", name, "--seconds", SECONDS, "--scalar", scalar)
+        told = command_line("cooperate", "--scene", name, "--seconds", SECONDS, "--scalar", scalar)
         assert run.state_hash == told["state_hash"], scalar
         assert (run.stable, run.verdict, run.reason) == (told["stable"], told["verdict"], told["reason"])
         assert run.spectral_radius == told["spectral_radius"]
@@ -33,7 +33,7 @@ def test_every_built_in_scene_gives_the_command_lines_bits(name, cohold):
             assert run.merits[merit] == told[merit], (scalar, merit)
         force = told["coordination_force_n"]
         assert (run.merits["coordination_force_mean_n"], run.merits["coordination_force_sd_n"]) == (force["mean"], force["sd"])
-    judged, told = cohold.stability(scene), cohold("stability", "point", "--scene", name)
+    judged, told = cohold.stability(scene), command_line("stability", "point", "--scene", name)
     assert (judged.stable, judged.spectral_radius) == (told["stable"], told["spectral_radius"])
     walls = {True: ", at the walls", None: ""}
     assert judged.modes == {mode["mode"] + walls[mode.get("at_walls")]: mode["spectral_radius"] for mode in told["modes"]}
@@ -42,9 +42,9 @@ def test_every_built_in_scene_gives_the_command_lines_bits(name, cohold):
     assert cohold.advice(scene) == told["advice"]
 
 
-def test_limits_are_the_command_lines(cohold):
+def test_limits_are_the_command_lines(command_line):
     key = "coordination.stiffness_n_per_m"
-    told = cohold("stability", "limit", "--scene", "paper-5.1-power-16ms", "--of", key, "--from", 10, "--to", 3000)
+    told = command_line("stability", "limit", "--scene", "paper-5.1-power-16ms", "--of", key, "--from", 10, "--to", 3000)
     found = cohold.limit(cohold.Scene("paper-5.1-power-16ms"), key, 10, 3000)
     assert found == told["crossings"] and len(found) == 1
     above, below = ({key: factor * found[0]} for factor in (1.001, 0.999))

@@ -67,11 +67,11 @@ def test_values_of_python_and_numpy():
         ("nothing.at_all", 1),
     ],
 )
-def test_errors_are_the_command_lines(key, value, cohold):
+def test_errors_are_the_command_lines(key, value, command_line):
     with pytest.raises(ValueError) as refused:
         cohold.Scene(None, {key: value})
     place, said = str(refused.value).split(": ", 1)
-    told = cohold("cooperate", "--set", f"{key}={value}", fails=True)["error"]
+    told = command_line("cooperate", "--set", f"{key}={value}", fails=True)["error"]
     assert place == "scene" and said in told, told
 
 

@@ -17,9 +17,9 @@ def asked(**other):
     return cohold.Study(LAWS, OVER, networks=NETWORKS, seeds=4, seconds=2.0, **other)
 
 
-def test_rows_and_answers_are_the_command_lines(tmp_path, cohold):
+def test_rows_and_answers_are_the_command_lines(tmp_path, command_line):
     bound = ["--at-most", "peak_coordination_force_n=3"]
-    cohold("study", *LAWS, *TYPED, *TIMES, *bound, "--out", tmp_path)
+    command_line("study", *LAWS, *TYPED, *TIMES, *bound, "--out", tmp_path)
     found = asked().run()
     same(found.rows, tmp_path / "study.parquet")
     same(found.points, tmp_path / "study-points.parquet")
@@ -48,8 +48,8 @@ def test_the_best_point_is_that_of_the_rows():
             assert told["mean"][at] == pytest.approx(allowed[gain][1], rel=1e-12)
 
 
-def test_a_folder_goes_on_and_a_figure_is_drawn(tmp_path, cohold):
-    cohold("study", *LAWS, *TYPED, *TIMES, "--out", tmp_path, "--shard", "1/2")
+def test_a_folder_goes_on_and_a_figure_is_drawn(tmp_path, command_line):
+    command_line("study", *LAWS, *TYPED, *TIMES, "--out", tmp_path, "--shard", "1/2")
     done = []
     found = asked().run(tmp_path, progress=lambda at, total: done.append(total))
     assert set(done) == {24} and pyarrow.parquet.read_table(tmp_path / "study.parquet").num_rows == 48
@@ -63,10 +63,10 @@ def test_a_folder_goes_on_and_a_figure_is_drawn(tmp_path, cohold):
         cohold.Study(LAWS, OVER, seconds=1.0).run(tmp_path)
 
 
-def test_a_search_is_the_command_lines_and_the_grids(tmp_path, cohold):
+def test_a_search_is_the_command_lines_and_the_grids(tmp_path, command_line):
     """Fewer runs, and the grid's best points; the folder is one for both, and another question than the searched one is refused."""
     most = {"peak_hand_force_n": 3.0}
-    cohold("study", *LAWS, *TYPED, *TIMES, "--at-most", "peak_hand_force_n=3", "--search", "halving", "--out", tmp_path)
+    command_line("study", *LAWS, *TYPED, *TIMES, "--at-most", "peak_hand_force_n=3", "--search", "halving", "--out", tmp_path)
     found = asked().run(search="halving", at_most=most)
     same(found.rows, tmp_path / "study.parquet")
     same(found.best(at_most=most), tmp_path / "study-best.parquet")

@@ -31,8 +31,8 @@ def same(table, parquet):
             assert np.array_equal(column, stored.to_numpy(), equal_nan=column.dtype == float), name
 
 
-def test_rows_are_the_command_lines(tmp_path, cohold):
-    cohold("study", "sweep", "--scene", SCENE, *TYPED, *TIMES, "--out", tmp_path)
+def test_rows_are_the_command_lines(tmp_path, command_line):
+    command_line("study", "sweep", "--scene", SCENE, *TYPED, *TIMES, "--out", tmp_path)
     table = asked().run()
     same(table, tmp_path / "sweep.parquet")
     assert len(table["seed"]) == 36 and 0 < table["stable"].sum() < 36
@@ -46,20 +46,20 @@ def test_rows_are_the_command_lines(tmp_path, cohold):
         assert np.array_equal(one[name], many[name], equal_nan=one[name].dtype == float), name
 
 
-def test_a_sample_is_the_command_lines(tmp_path, cohold):
+def test_a_sample_is_the_command_lines(tmp_path, command_line):
     drawn = {"network.loss": "0..0.3", "object.mass_kg": "0.02..1:log", "coordination.comm": ["wave", "passive-wave"]}
     for design in ("sobol", "latin-hypercube"):
         typed = [word for key, of in drawn.items() for word in ("--sample", f"{key}={of if isinstance(of, str) else ','.join(of)}")]
         folder = tmp_path / design
         more = ["--points", 8, "--design", design, "--sample-seed", 3, "--seconds", 1]
-        cohold("study", "sweep", "--scene", SCENE, *typed, *more, "--out", folder)
+        command_line("study", "sweep", "--scene", SCENE, *typed, *more, "--out", folder)
         sweep = cohold.Sweep(SCENE, sample=drawn, points=8, design=design, sample_seed=3, seconds=1.0)
         same(sweep.run(), folder / "sweep.parquet")
         assert sweep.keys == list(drawn)
 
 
-def test_a_folder_goes_on_whoever_began_it(tmp_path, cohold):
-    cohold("study", "sweep", "--scene", SCENE, *TYPED, *TIMES, "--out", tmp_path, "--shard", "1/3")
+def test_a_folder_goes_on_whoever_began_it(tmp_path, command_line):
+    command_line("study", "sweep", "--scene", SCENE, *TYPED, *TIMES, "--out", tmp_path, "--shard", "1/3")
     rows = tmp_path / "rows-1-of-3.csv"
     before = rows.read_text()
     sweep = asked()
@@ -74,7 +74,7 @@ def test_a_folder_goes_on_whoever_began_it(tmp_path, cohold):
     table = sweep.run(tmp_path)
     same(table, tmp_path / "sweep.parquet")
     assert rows.read_text() == before and len((tmp_path / "rows-1-of-1.csv").read_text().splitlines()) == 25
-    told = cohold("study", "sweep", "--scene", SCENE, *TYPED, *TIMES, "--out", tmp_path)
+    told = command_line("study", "sweep", "--scene", SCENE, *TYPED, *TIMES, "--out", tmp_path)
     assert (told["runs"], told["new_runs"]) == (36, 0)
     with pytest.raises(OSError, match="is of another sweep"):
         cohold.Sweep(SCENE, OVER, seconds=1.0).run(tmp_path)
