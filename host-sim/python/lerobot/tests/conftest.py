@@ -54,7 +54,7 @@ def _program(monkeypatch):
 def ticks(recording):
     """The ticks of a recording at 1 kHz, as the command line converts them."""
     table = recording.with_suffix(".parquet")
-    command = [os.environ["COHOLD"], "convert", str(recording), str(table), "--json"]
+    command = [os.environ["COHOLD"], "recording", "convert", str(recording), str(table), "--json"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
     return pandas.read_parquet(table)
