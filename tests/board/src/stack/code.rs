@@ -86,6 +86,10 @@ impl Code {
             })
             .collect();
 
+        // What does not begin where a pointer may is a table of bytes: whatever four of them are.
+        let bytes = file.symbols().filter(|symbol| symbol.kind() == SymbolKind::Data && symbol.address() % 4 != 0);
+        let bytes: BTreeMap<u64, u64> = bytes.map(|all| (all.address(), all.address() + all.size())).collect();
+        let is_byte = |at: u64| bytes.range(..=at).next_back().is_some_and(|(_, end)| at < *end);
         let mut taken: BTreeSet<u64> =
             functions.values().flat_map(|function| function.body.constants.clone()).collect();
         let mut vectors = BTreeSet::new();
@@ -94,7 +98,8 @@ impl Code {
             if *name == ".vector_table" {
                 vectors.extend(words.skip(1).map(|(_, word)| u64::from(word)));
             } else {
-                let data = words.filter(|(at, _)| *kind != SectionKind::Text || is_data(*at)).map(|(_, word)| word);
+                let data = words.filter(|(at, _)| *kind != SectionKind::Text || is_data(*at));
+                let data = data.filter(|(at, _)| !is_byte(*at)).map(|(_, word)| word);
                 let mut before = 0;
                 taken.extend(
                     data.filter(|word| !ends_text(core::mem::replace(&mut before, *word), *word)).map(u64::from),
