@@ -87,9 +87,8 @@ impl Code {
             .collect();
 
         // What does not begin where a pointer may is a table of bytes: whatever four of them are.
-        let bytes = file.symbols().filter(|symbol| symbol.kind() == SymbolKind::Data && symbol.address() % 4 != 0);
-        let bytes: BTreeMap<u64, u64> = bytes.map(|all| (all.address(), all.address() + all.size())).collect();
-        let is_byte = |at: u64| bytes.range(..=at).next_back().is_some_and(|(_, end)| at < *end);
+        let tables = statics.values().filter(|(at, _)| at % 4 != 0);
+        let tables: Vec<_> = tables.map(|(at, size)| *at..at + size).collect();
         let mut taken: BTreeSet<u64> =
             functions.values().flat_map(|function| function.body.constants.clone()).collect();
         let mut vectors = BTreeSet::new();
@@ -98,8 +97,8 @@ impl Code {
             if *name == ".vector_table" {
                 vectors.extend(words.skip(1).map(|(_, word)| u64::from(word)));
             } else {
-                let data = words.filter(|(at, _)| *kind != SectionKind::Text || is_data(*at));
-                let data = data.filter(|(at, _)| !is_byte(*at)).map(|(_, word)| word);
+                let words = words.filter(|(at, _)| !tables.iter().any(|all| all.contains(at)));
+                let data = words.filter(|(at, _)| *kind != SectionKind::Text || is_data(*at)).map(|(_, word)| word);
                 let mut before = 0;
                 taken.extend(
                     data.filter(|word| !ends_text(core::mem::replace(&mut before, *word), *word)).map(u64::from),
