@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::{Args, Parser};
-use cohold_live::devices::{AXES, Adapter, DeviceOptions, Kind, board};
+use cohold_live::devices::{AXES, Adapter, BUTTONS, DeviceOptions, Kind, board};
 use cohold_live::key_file;
 use cohold_protocol::key::Role;
 
@@ -42,8 +42,8 @@ pub struct DeviceArgs {
     #[arg(long, value_name = "S", value_parser = number(0.001..=0.25, "s"))]
     device_lets_go_s: Option<f64>,
     /// The button that holds the clutch open while it is down.
-    #[arg(long, value_name = "BUTTON", value_parser = button)]
-    device_clutch: Option<usize>,
+    #[arg(long, value_name = "BUTTON", value_parser = BUTTONS)]
+    device_clutch: Option<String>,
     /// Motors: the identifier of each joint's, in the order of the joints, `-` before one that turns against its joint.
     #[arg(long, value_name = "ID,…", default_value = "1", value_parser = motors, allow_hyphen_values = true)]
     device_motors: Motors,
@@ -92,12 +92,6 @@ fn motors(text: &str) -> Result<Motors, String> {
     Err("one to three different identifiers from 1 to 126, as 1,-2".to_owned())
 }
 
-/// A button by its letter, from 0.
-fn button(text: &str) -> Result<usize, String> {
-    let known = ["a", "b", "c"];
-    known.iter().position(|name| *name == text).ok_or_else(|| format!("it is one of {}", known.join(", ")))
-}
-
 fn axes(text: &str) -> Result<Axes, String> {
     let allowed = || "three different ones of x, y and z, as x,z,-y".to_owned();
     let axis = |word: &str| {
@@ -132,50 +126,55 @@ struct Alone {
 /// A word that is not known, or a value that is not allowed.
 pub fn device_options(words: &[String], adapters: &[Adapter]) -> Result<DeviceOptions, Failure> {
     let alone = Alone::try_parse_from(words).map_err(|error| refusal(&error))?;
-    let mut ui = Ui::new(false, cohold_sim::Laws::built_in());
-    ui.devices = adapters.to_vec();
-    alone.device.wanted(&ui)
+    alone.device.wanted(&Ui { devices: adapters.to_vec(), ..Ui::new() })
 }
 
 impl DeviceArgs {
+    fn refused(&self, why: &dyn std::fmt::Display) -> Failure {
+        format!("--device {} is not allowed: {why}", self.device).into()
+    }
+
     fn kind(&self, ui: &Ui) -> Result<Kind, Failure> {
         let (name, at) = self.device.split_once(':').unwrap_or((&self.device, ""));
-        let failed =
-            |why: &dyn std::fmt::Display| Failure::from(format!("--device {} is not allowed: {why}", self.device));
         if let Some(adapter) = ui.devices.iter().find(|adapter| adapter.name == name) {
             return Ok(Kind::Adapted(*adapter, at.to_owned()));
         }
         match name {
             "simulated" if at.is_empty() => Ok(Kind::Simulated),
             "board" => {
-                let at = endpoint(at).map_err(|cause| failed(&cause))?;
-                let file = self.device_key_file.as_ref().ok_or_else(|| failed(&"it needs --device-key-file"))?;
+                let at = endpoint(at).map_err(|cause| self.refused(&cause))?;
+                let file = self.device_key_file.as_ref().ok_or_else(|| self.refused(&"it needs --device-key-file"))?;
                 let key = key_file::read(file, Role::Peers)?;
                 let scene = Box::new(SceneArgs::of(&self.device_scene).load(ui)?);
                 Ok(Kind::Board(Box::new(board::Told { at, listen: self.device_listen, key, scene })))
             }
             _ => {
                 let others = ui.devices.iter().map(|Adapter { name, place, .. }| format!(", {name}{place}"));
-                Err(failed(&format!("it is simulated, board:ADDRESS:PORT{}", others.collect::<String>())))
+                Err(self.refused(&format!("it is simulated, board:ADDRESS:PORT{}", others.collect::<String>())))
             }
         }
     }
 
     /// As a peer takes it.
     pub fn wanted(&self, ui: &Ui) -> Result<DeviceOptions, Failure> {
-        Ok(DeviceOptions {
+        let clutch = self.device_clutch.as_deref();
+        let options = DeviceOptions {
             kind: self.kind(ui)?,
             id: self.device_id.clone(),
             axes: self.device_axes,
             origin_m: self.device_origin_m,
             silent_s: self.device_silent_s,
             lets_go_s: self.device_lets_go_s,
-            clutch: self.device_clutch,
+            clutch: clutch.and_then(|name| BUTTONS.iter().position(|known| *known == name)),
             motors: self.device_motors.0.clone(),
             max_torque_nm: self.device_max_torque_nm,
             model: self.device_model.clone(),
             is_homed: self.device_homed,
-        })
+        };
+        if let Kind::Adapted(adapter, at) = &options.kind {
+            (adapter.check)(at, &options).map_err(|why| self.refused(&why))?;
+        }
+        Ok(options)
     }
 
     /// What peer `number` of a scene is set to for the hand at its device, under what is said; nothing of a simulated one.

@@ -176,12 +176,9 @@ type Listing = fn(&Ui) -> Result<(), Failure>;
 pub struct Cli {
     added: Vec<Added>,
     listings: Vec<(&'static str, Listing)>,
-    laws: Laws,
-    devices: Vec<Adapter>,
-    tables: Vec<fn() -> Vec<TableKind>>,
-    papers: Vec<Paper>,
-    prover: Prover,
     road: Option<Road>,
+    /// What commands are given, of guests too.
+    ui: Ui,
 }
 
 /// Flags by which the other end is met: at which commands they are, how clap is told of them, and what they say.
@@ -197,12 +194,8 @@ impl Default for Cli {
         Self {
             added: Vec::new(),
             listings: vec![("keys", listings::scene_keys), ("scenes", listings::scenes)],
-            laws: Laws::built_in(),
-            devices: Vec::new(),
-            tables: Vec::new(),
-            papers: Vec::new(),
-            prover: |_| None,
             road: None,
+            ui: Ui::new(),
         }
         .with_commands::<paper::PaperCommands>("paper")
         .with_commands::<study::StudyCommands>("study")
@@ -212,14 +205,16 @@ impl Default for Cli {
 impl Cli {
     /// With these laws, in every command.
     #[must_use]
-    pub fn with_laws(self, laws: Laws) -> Self {
-        Self { laws, ..self }
+    pub fn with_laws(mut self, laws: Laws) -> Self {
+        self.ui.laws = laws;
+        self
     }
 
     /// With this proof of the limits of laws that core does not have, for `stability prove`.
     #[must_use]
-    pub fn with_proofs(self, prover: Prover) -> Self {
-        Self { prover, ..self }
+    pub fn with_proofs(mut self, prover: Prover) -> Self {
+        self.ui.prover = prover;
+        self
     }
 
     /// Adds commands below the command of this name, or beside the heart's where it is empty.
@@ -244,7 +239,7 @@ impl Cli {
     /// Adds kinds of tables to those that `recording columns` explains.
     #[must_use]
     pub fn with_tables(mut self, tables: fn() -> Vec<TableKind>) -> Self {
-        self.tables.push(tables);
+        self.ui.tables.push(tables);
         self
     }
 
@@ -300,7 +295,7 @@ impl Cli {
     /// Adds a paper to those that `paper reproduce` computes.
     #[must_use]
     pub fn with_paper(mut self, paper: Paper) -> Self {
-        self.papers.push(paper);
+        self.ui.papers.push(paper);
         self
     }
 
@@ -308,13 +303,13 @@ impl Cli {
     /// origin, ages and refusals are done for it, as for a built-in one.
     #[must_use]
     pub fn with_device(self, name: &'static str, open: Opens) -> Self {
-        self.with_adapters(&[Adapter { name, place: "[:PLACE]", open, look: |_| Vec::new() }])
+        self.with_adapters(&[Adapter { name, place: "[:PLACE]", check: |_, _| Ok(()), open, look: |_| Vec::new() }])
     }
 
     /// Adds adapters of devices that `devices` looks for.
     #[must_use]
     pub fn with_adapters(mut self, adapters: &[Adapter]) -> Self {
-        self.devices.extend_from_slice(adapters);
+        self.ui.devices.extend_from_slice(adapters);
         self
     }
 
@@ -322,16 +317,13 @@ impl Cli {
     pub fn main(mut self) -> ExitCode {
         let vectors = vectors::widest();
         let words: Vec<OsString> = std::env::args_os().collect();
-        let mut ui = Ui::new(words.iter().any(|word| word == "--json"), self.laws);
-        ui.devices = std::mem::take(&mut self.devices);
-        ui.tables = std::mem::take(&mut self.tables);
-        ui.papers = std::mem::take(&mut self.papers);
-        ui.prover = self.prover;
-        let outcome = match (vectors, self.listed(&ui, &words)) {
+        self.ui.json = words.iter().any(|word| word == "--json");
+        let command = self.command();
+        let outcome = match (vectors, self.listed(&command, &words)) {
             (Err(refused), _) => Err(refused),
             (Ok(()), Some(outcome)) => outcome,
-            (Ok(()), None) => match self.command().try_get_matches_from(&words) {
-                Ok(matches) => self.run(&mut ui, &matches),
+            (Ok(()), None) => match command.try_get_matches_from(&words) {
+                Ok(matches) => self.run(&matches),
                 // Help and version are no errors.
                 Err(answer) if !answer.use_stderr() => {
                     let _ = answer.print();
@@ -363,16 +355,16 @@ impl Cli {
         negative_numbers(command)
     }
 
-    fn run(&self, ui: &mut Ui, matches: &clap::ArgMatches) -> Result<(), Failure> {
+    fn run(&mut self, matches: &clap::ArgMatches) -> Result<(), Failure> {
         if let (Some(road), Some((name, matches))) = (&self.road, matches.subcommand())
             && road.at.contains(&name)
         {
-            ui.meeting = (road.read)(matches)?;
+            self.ui.meeting = (road.read)(matches)?;
         }
         let (mut below, mut under) = (matches, "");
         while let Some((name, matches)) = below.subcommand() {
             if let Some(added) = self.added.iter().find(|added| added.under == under && (added.has)(name)) {
-                return (added.run)(below, ui);
+                return (added.run)(below, &self.ui);
             }
             (below, under) = (matches, name);
         }
@@ -380,23 +372,22 @@ impl Cli {
         if let Some(shell) = line.completions {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut self.command(), "cohold", &mut script);
-            write!(Ui::new(false, self.laws), "{}", String::from_utf8(script)?);
+            write!(Ui { json: false, ..self.ui.clone() }, "{}", String::from_utf8(script)?);
             return Ok(());
         }
-        line.command.unwrap_or_else(|| Command::Paper(paper::Paper::default())).run(ui)
+        line.command.unwrap_or_else(|| Command::Paper(paper::Paper::default())).run(&self.ui)
     }
 
     /// What a listing prints, where one is asked for; whatever else is missing there, as with `--help`.
-    fn listed(&self, ui: &Ui, words: &[OsString]) -> Option<Result<(), Failure>> {
-        let whole = self.command();
-        let command = words.iter().fold(&whole, |command, word| command.find_subcommand(word).unwrap_or(command));
+    fn listed(&self, command: &clap::Command, words: &[OsString]) -> Option<Result<(), Failure>> {
+        let command = words.iter().fold(command, |command, word| command.find_subcommand(word).unwrap_or(command));
         let is_asked = |arg: &&clap::Arg| {
             let flag = arg.get_long().map(|long| format!("--{long}"));
             flag.is_some_and(|flag| words.iter().any(|word| *word == *flag))
         };
         let listing = |arg: &clap::Arg| self.listings.iter().find(|(flag, _)| arg.get_id() == *flag);
         let (_, print) = command.get_arguments().filter(is_asked).find_map(listing)?;
-        Some(print(ui))
+        Some(print(&self.ui))
     }
 }
 

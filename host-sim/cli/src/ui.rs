@@ -44,8 +44,8 @@ impl std::error::Error for Unsuccessful {}
 /// Where a command's output goes.
 #[derive(Clone, Debug)]
 pub struct Ui {
-    json: bool,
-    provenance: Provenance,
+    pub(crate) json: bool,
+    pub(crate) provenance: Provenance,
     /// The laws that a scene may name.
     pub laws: Laws,
     /// What is said of where the other end is met.
@@ -101,10 +101,11 @@ struct WithProvenance<'a, D> {
 }
 
 impl Ui {
-    pub(crate) fn new(json: bool, laws: Laws) -> Self {
+    /// Of the heart alone.
+    pub(crate) fn new() -> Self {
         Self {
-            json,
-            laws,
+            json: false,
+            laws: Laws::built_in(),
             meeting: Arc::new(Nobody),
             tables: Vec::new(),
             papers: Vec::new(),

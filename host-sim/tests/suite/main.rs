@@ -9,7 +9,6 @@ mod command_line;
 mod cooperative;
 mod declared;
 mod examples;
-mod guests;
 mod hub;
 mod key_files;
 mod letters;

@@ -24,12 +24,10 @@ use cohold_cli::address::endpoint;
 use cohold_core::settings::Settings;
 use cohold_live::Error;
 use cohold_live::devices::threaded::{Acts, Desk, Line, Threaded, stopped};
-use cohold_live::devices::{AXES, Abilities, DeviceOptions, Port, Sensed};
+use cohold_live::devices::{AXES, Abilities, BUTTONS, DeviceOptions, Port, Sensed};
 
 /// Where the service listens unless it is told otherwise.
 pub(super) const LISTENS: &str = "127.0.0.1:10001";
-/// Buttons of its grip, in the order of their bits.
-const BUTTONS: [&str; 3] = ["a", "b", "c"];
 /// Where the service puts zero: this one is in front of the arm, in its middle.
 const PRESET: &str = "arm_front_centered";
 /// How long the service may take to be there and to list its devices.
@@ -79,14 +77,18 @@ fn sensed(text: &str, id: &str, between: [Instant; 2]) -> Result<Sensed, Gone> {
     Ok(Sensed { position_m, velocity_m_per_s, between, buttons })
 }
 
+/// Where the service is, by what stands behind its name.
+pub(super) fn place(at: &str) -> Result<SocketAddr, String> {
+    endpoint(if at.is_empty() { LISTENS } else { at }).map_err(|cause| cause.to_string())
+}
+
 /// The Inverse3 that is asked for, or the first one, of the service at this place. A force that is not renewed for as long as readings may be
 /// silent is no longer sent.
 ///
 /// # Errors
 /// There is no service, it is too old, it does not take the preset, or its device is not fit.
 pub(super) fn open(at: &str, options: &DeviceOptions, _: &Settings) -> Result<Box<dyn Port>, Error> {
-    let at = if at.is_empty() { LISTENS } else { at };
-    let at = endpoint(at).map_err(|cause| format!("--device haply:{at} is not allowed: {cause}"))?;
+    let at = place(at)?;
     let (id, lets_go_s, silent) = (options.id.as_deref(), options.lets_go_s, Duration::from_secs_f64(options.silent_s));
     let failed =
         |what: &str, cause: &dyn std::fmt::Display| Error::from(format!("Haply's service at {at}: {what}{cause}"));

@@ -5,7 +5,7 @@
 //! | `haply` | an Inverse3 behind Haply's local WebSocket service, 3.5 or newer |
 //! | `moteus` | one to three moteus motors on a CAN bus, which drive the scene's mechanism |
 //! | `mit` | one to three Damiao or T-Motor motors that take MIT's frame, likewise |
-#![deny(unsafe_code)]
+#![forbid(unsafe_code)]
 
 mod can;
 mod emulate;
@@ -22,7 +22,25 @@ pub use emulate::Emulation;
 
 /// The adapters of these devices, and how each looks for what is attached.
 pub const ADAPTERS: [Adapter; 3] = [
-    Adapter { name: "haply", place: "[:ADDRESS:PORT]", open: haply::open, look: find::services },
-    Adapter { name: "moteus", place: ":BUS", open: moteus::open, look: find::buses },
-    Adapter { name: "mit", place: ":BUS", open: mit::open, look: |_| Vec::new() },
+    Adapter {
+        name: "haply",
+        place: "[:ADDRESS:PORT]",
+        check: |at, _| haply::place(at).map(drop),
+        open: haply::open,
+        look: find::services,
+    },
+    Adapter {
+        name: "moteus",
+        place: ":BUS",
+        check: |at, _| motors::is_named(at),
+        open: moteus::open,
+        look: find::buses,
+    },
+    Adapter {
+        name: "mit",
+        place: ":BUS",
+        check: |at, options| motors::is_named(at).and_then(|()| mit::model(options).map(drop)),
+        open: mit::open,
+        look: |_| Vec::new(),
+    },
 ];

@@ -243,16 +243,21 @@ fn checked(bus: &mut dyn Bus, model: &Model, ids: &[u8]) -> Result<Option<f64>, 
     Ok(longest_s)
 }
 
+/// The motors' type, where it is said.
+pub(super) fn model(options: &DeviceOptions) -> Result<Option<Model>, String> {
+    let Some(name) = options.model.as_deref() else { return Ok(None) };
+    let known = || MODELS.map(|model| model.name).join(", ");
+    let found = MODELS.into_iter().find(|model| model.name == name);
+    found.map(Some).ok_or_else(|| format!("--device-model {name}: it is one of {}", known()))
+}
+
 /// The motors at this place, which drive the mechanism of these settings.
 ///
 /// # Errors
 /// One does not answer, or has other ranges than its model; or they do not fit the mechanism.
 pub(super) fn open(at: &str, options: &DeviceOptions, settings: &Settings) -> Result<Box<dyn Port>, Error> {
     motors::open("MIT motors", (at, options, settings), |bus, ids, most_nm| {
-        let name = options.model.as_deref().ok_or("their type is not said: --device-model")?;
-        let model = MODELS.into_iter().find(|model| model.name == name).ok_or_else(|| {
-            format!("--device-model {name} is not allowed: it is one of {}", MODELS.map(|model| model.name).join(", "))
-        })?;
+        let model = model(options)?.ok_or("their type is not said: --device-model")?;
         let lets_go_s = if model.is_damiao { checked(bus, &model, &ids)? } else { options.lets_go_s };
         let off = vec![false; ids.len()];
         let protocol = Mit { model, ids, enabled: off.clone(), confirmed: off.clone(), faulty: off };

@@ -62,6 +62,12 @@ pub(super) struct Ready<P> {
     pub(super) most_nm: f64,
 }
 
+/// Refuses a bus without a name.
+pub(super) fn is_named(at: &str) -> Result<(), String> {
+    cohold_sim::refuse_if!(at.is_empty(), "its bus is not named, as moteus:/dev/ttyACM0 or mit:can0");
+    Ok(())
+}
+
 /// What is wrong where nothing comes from a motor.
 pub(super) fn silent(id: impl std::fmt::Display) -> String {
     format!("motor {id} does not answer: look at its id, its supply and the ends of the bus")
@@ -78,9 +84,6 @@ pub(super) fn open<P: Protocol>(
     ready: impl FnOnce(&mut dyn Bus, Vec<u8>, f64) -> Result<Ready<P>, Error>,
 ) -> Result<Box<dyn Port>, Error> {
     let open = || {
-        if at.is_empty() {
-            return Err("the bus is not named: it stands behind a colon, as in moteus:/dev/ttyACM0 or mit:can0".into());
-        }
         let most_nm =
             options.max_torque_nm.ok_or("the largest torque of a motor is not said: --device-max-torque-nm")?;
         let (ids, signs): (Vec<u8>, Vec<f64>) = options.motors.iter().copied().unzip();
@@ -98,10 +101,9 @@ pub(super) fn open<P: Protocol>(
             lets_go_s: ready.lets_go_s,
             ..Abilities::default()
         };
-        let threaded = Threaded::start(abilities, Duration::from_secs_f64(options.silent_s), motors)?;
-        Ok(Box::new(threaded) as Box<dyn Port>)
+        Threaded::start(abilities, Duration::from_secs_f64(options.silent_s), motors)
     };
-    open().map_err(|cause: Error| format!("{kind} at {at}: {cause}").into())
+    Ok(Box::new(open().map_err(|cause: Error| format!("{kind} at {at}: {cause}"))?))
 }
 
 /// A motor as this end knows it.

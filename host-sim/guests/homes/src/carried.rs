@@ -7,15 +7,15 @@ use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, ToSocketAddrs, UdpSocket};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::carrier::{Carrier, Config};
-use crate::mapping::{Mapping, PORT};
-use cohold_protocol::key::Key;
-
 use cohold_live::addresses::any_towards;
 use cohold_live::batch::ReceivedBatch;
 use cohold_live::endpoint::Endpoint;
 use cohold_live::road::{Change, PathReport, Road, Roads};
 use cohold_live::{Error, key_file::entropy};
+use cohold_protocol::key::Key;
+
+use crate::carrier::{Carrier, Config};
+use crate::mapping::{Mapping, PORT};
 
 /// The carrier is given its time no more often.
 const EVERY: Duration = Duration::from_micros(400);

@@ -34,19 +34,15 @@ pub const MEETING: [&str; 2] = ["peer", "play"];
 
 /// Adds [`MeetingFlags`] to one of them: who is met needs no address, and who comes by a link no key and no number.
 pub fn declare(command: clap::Command) -> clap::Command {
-    let link = ["invite", "accept"];
-    let met = ["meet", "accept"];
-    let command = MeetingFlags::augment_args(command).mut_arg("number", |arg| arg.conflicts_with_all(link));
-    if command.get_name() != "peer" {
-        return command;
+    let (link, met) = (["invite", "accept"], ["meet", "accept"]);
+    let mut command = MeetingFlags::augment_args(command).mut_arg("number", |arg| arg.conflicts_with_all(link));
+    if command.get_name() == "peer" {
+        command = command.mut_arg("connect", |arg| arg.conflicts_with_all(met));
+        for (id, unless) in [("number", link), ("key_file", link), ("connect", met), ("listen", met)] {
+            command = command.mut_arg(id, |arg| arg.required(false).required_unless_present_any(unless));
+        }
     }
-    let command = ["number", "key_file"]
-        .into_iter()
-        .fold(command, |command, id| command.mut_arg(id, |arg| arg.required(false).required_unless_present_any(link)));
-    let command = command.mut_arg("connect", |arg| arg.conflicts_with_all(met));
-    ["connect", "listen"]
-        .into_iter()
-        .fold(command, |command, id| command.mut_arg(id, |arg| arg.required(false).required_unless_present_any(met)))
+    command
 }
 
 /// How a peer or a page meets the other one.

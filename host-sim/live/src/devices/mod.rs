@@ -35,6 +35,8 @@ pub use threaded::{Threaded, stopped};
 
 /// Axes of a device: none that is attached has more.
 pub const AXES: usize = 3;
+/// Buttons of a device, in the order of their bits.
+pub const BUTTONS: [&str; 3] = ["a", "b", "c"];
 
 /// A device of up to [`AXES`] axes in SI units of its own frame. Neither method blocks: who must wait does so in a thread of its own.
 /// Whoever is dropped lets go first.
@@ -183,6 +185,8 @@ pub struct Adapter {
     pub name: &'static str,
     /// How a place stands behind the name: `:PLACE`, or `[:PLACE]` where there may be none.
     pub place: &'static str,
+    /// Says why it cannot be opened there, or with what is told of it, as far as that is seen before anything is opened.
+    pub check: fn(at: &str, options: &DeviceOptions) -> Result<(), String>,
     /// Opens it.
     pub open: Opens,
     /// Looks for such devices where they usually are, and at these places beside.

@@ -1,4 +1,4 @@
-//! The programs of `examples/`, built from outside the packages that they use.
+//! The programs of `examples/`, built from outside the packages that they use; and the heart without any guest.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 
 const EXAMPLES: [&str; 5] = ["device", "observer", "outside-command", "outside-law", "plant"];
 
-/// Builds the examples and gives the folder of the programs. What is built besides them is what the tests have built: members of one workspace
+/// Builds the examples, and the heart without guests, and gives the folder of the programs. What is built besides them is what the tests have built: members of one workspace
 /// share it. Of the workspace they take nothing else, so that a stranger's copy is a package by itself.
 pub(crate) fn built() -> &'static Path {
     static PROGRAMS: LazyLock<PathBuf> = LazyLock::new(|| {
@@ -21,6 +21,7 @@ pub(crate) fn built() -> &'static Path {
             assert!(!manifest.contains("workspace"), "{name} leans on the workspace");
             cargo.args(["--package", name]);
         }
+        cargo.args(["--bins", "--package", "cohold-cli", "--example", "heart"]);
         // Build scripts heed what cargo tells of this package: libraries would be built again, now and when cargo is
         // called next.
         let of_package =
