@@ -30,7 +30,7 @@
 //! integrators; a peer is *engaged* while its law acts ([`law::degradation`]); a packet *stands* while it is held.
 //!
 //! SI units everywhere. The *cooperation paper* is Rakhsha & Constantinescu 2012, whose equations and symbols the code
-//! follows; the *architectures paper* is Buttolo, Oboe & Hannaford 1997; THEORY is docs/theory.md of the repository.
+//! follows; the *architectures paper* is Buttolo, Oboe & Hannaford 1997; THEORY is docs/reference/theory.md of the repository.
 #![no_std]
 // But for one instruction of the FPU, in `num::sqrt`.
 #![deny(unsafe_code)]

@@ -37,6 +37,7 @@ use axis::{Felt, SharedAxis, Tick};
 
 pub use crate::device::hand::Actuators;
 pub use axis::Observed;
+pub use exchange::Arrived;
 
 /// What a tick reads. Positions that are not encoder counts are in the shared world's units ([`crate::device::scale`]).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,7 +9,7 @@
 
 /// A supply below this drives no bridge, mV.
 pub const OFF_MV: u32 = 4_500;
-/// Longest that a supply takes to fall below it, µs (docs/assembly.md, gate 2).
+/// Longest that a supply takes to fall below it, µs (docs/guides/board/assembly.md, gate 2).
 pub const FALLS_US: u32 = 10_000_000;
 
 /// What looks at them showed so far; one task looks.

@@ -7,9 +7,10 @@
 
 use cohold_core::law::{Law as _, bounds::Bounds};
 use cohold_core::settings::Settings;
-use cohold_protocol::link::{ConfigError, Link, Notice};
-use cohold_protocol::peer::{Lives, flow_in, flow_of, open, packets_of};
-use cohold_protocol::wire::{Datagram, MAX_DATAGRAM};
+use cohold_protocol::end::End;
+use cohold_protocol::link::{ConfigError, Error as Refusal, Link, Notice};
+use cohold_protocol::peer::{Lives, flow_of, open, packets_of};
+use cohold_protocol::wire::{Datagram, Flows, MAX_DATAGRAM};
 use cohold_protocol::{ends::Ends, key::Key};
 use embassy_futures::select::{Either3, select3};
 use embassy_net::{IpEndpoint, Stack};
@@ -65,55 +66,52 @@ pub(crate) struct Flow {
     pub(crate) outdated: bool,
 }
 
-impl Flow {
-    fn receive(&mut self, datagram: &mut [u8]) {
-        let taken = self.link.receive(now(), datagram);
-        // Before the flow is handed on: it may be the first of another life of the other peer.
-        self.heed();
-        match taken.map(|message| message.as_ref().and_then(flow_in)) {
-            Ok(Some(flow)) => {
-                self.signals.received.count();
-                if self.outdated {
-                    return;
-                }
-                match self.lives.of(&flow) {
-                    Ok(Some(life)) => {
-                        // First that what came before is not to be taken.
-                        self.signals.life.release(life);
-                        self.incoming.write(Received { life, packets: packets_of(&flow) });
-                    }
-                    Ok(None) => {}
-                    Err(_) => {
-                        self.signals.refused.count();
-                        log!(warn, "peer: let go of, it says more than the limits in [safety] allow");
-                        self.part();
-                    }
-                }
+impl End<SHARED> for Flow {
+    fn link(&mut self) -> &mut Link {
+        self.link
+    }
+
+    fn notice(&mut self, _now_us: u64, notice: Notice) {
+        match notice {
+            Notice::Joined => log!(info, "peer: joined"),
+            Notice::NewPeer(_) => log!(info, "peer: has started anew"),
+            Notice::Engaged => log!(info, "peer: engaged, flow comes"),
+            Notice::Fading => log!(warn, "peer: fading, no flow comes"),
+            Notice::Resumed => log!(info, "peer: resumed, flow again"),
+            Notice::Disengaged => {
+                log!(warn, "peer: disengaged, no flow for too long or another session");
+                self.part();
             }
-            Ok(_) => {}
-            Err(_) => self.signals.refused.count(),
+            Notice::Lost => log!(warn, "peer: lost, silent for too long or another session"),
+            Notice::Old(delay_us) => log!(warn, "peer: flow takes {} us, too old to be taken", delay_us),
+            Notice::Refused(table) => {
+                log!(error, "peer: refused, it was told other settings: table {}", table);
+            }
         }
     }
 
-    fn heed(&mut self) {
-        while let Some(notice) = self.link.take_notice() {
-            match notice {
-                Notice::Joined => log!(info, "peer: joined"),
-                Notice::NewPeer(_) => log!(info, "peer: has started anew"),
-                Notice::Engaged => log!(info, "peer: engaged, flow comes"),
-                Notice::Fading => log!(warn, "peer: fading, no flow comes"),
-                Notice::Resumed => log!(info, "peer: resumed, flow again"),
-                Notice::Disengaged => {
-                    log!(warn, "peer: disengaged, no flow for too long or another session");
-                    self.part();
-                }
-                Notice::Lost => log!(warn, "peer: lost, silent for too long or another session"),
-                Notice::Old(delay_us) => log!(warn, "peer: flow takes {} us, too old to be taken", delay_us),
-                Notice::Refused(table) => {
-                    log!(error, "peer: refused, it was told other settings: table {}", table);
-                }
-            }
+    fn keep(&mut self, _tick: u32, _sealed_us: u64, flow: Flows<SHARED>) -> Result<(), Refusal> {
+        self.signals.received.count();
+        if self.outdated {
+            return Ok(());
         }
+        let life = self.lives.of(&flow).inspect_err(|_| {
+            log!(warn, "peer: let go of, it says more than the limits in [safety] allow");
+            self.part();
+        });
+        if let Some(life) = life? {
+            // First that what came before is not to be taken.
+            self.signals.life.release(life);
+            self.incoming.write(Received { life, packets: packets_of(&flow) });
+        }
+        Ok(())
+    }
+}
+
+impl Flow {
+    /// Shows the tick and the log how the link is.
+    fn show(&mut self) {
+        self.heed(now());
         self.signals.stage.set(self.link.stage());
         self.signals.old.set(self.link.is_old());
     }
@@ -159,7 +157,12 @@ pub(crate) async fn run(stack: Stack<'static>, mut flow: Flow) -> ! {
                     (if sent { &signals.sent } else { &signals.dropped }).count();
                 }
             }
-            Either3::Second(Ok((length, _))) => flow.receive(bytes.get_mut(..length).unwrap_or_default()),
+            Either3::Second(Ok((length, _))) => {
+                let datagram = bytes.get_mut(..length).unwrap_or_default();
+                if flow.receive(now(), 0, datagram).is_err() {
+                    signals.refused.count();
+                }
+            }
             Either3::Second(Err(_)) => signals.refused.count(),
             Either3::Third(settings) => flow.configure(&settings),
         }
@@ -167,6 +170,6 @@ pub(crate) async fn run(stack: Stack<'static>, mut flow: Flow) -> ! {
             // What the link repeats by itself needs no count.
             send_now(&socket, out.get(..length).unwrap_or_default(), flow.peer).await;
         }
-        flow.heed();
+        flow.show();
     }
 }

@@ -1,6 +1,6 @@
 //! What a board keeps from one start to the next: its scene's settings and its addresses, key by key.
 //!
-//! Keys are those of [`Settings`], as scene files spell them, and `network.*`: docs/hardware.md says what each means.
+//! Keys are those of [`Settings`], as scene files spell them, and `network.*`: docs/guides/board/operate.md says what each means.
 //! Addresses are taken at the next start. They are no secret and prove nothing: who the other peer is says the key.
 
 use core::{fmt, net::Ipv4Addr};

@@ -2,7 +2,7 @@
 //!
 //! A word and its arguments. Nothing here moves a motor but `check`, `probe` and `arm`; `disarm` is always accepted.
 //!
-//! What each line does stands in docs/hardware.md.
+//! What each line does stands in docs/guides/board/operate.md.
 
 use core::str::FromStr;
 

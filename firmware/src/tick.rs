@@ -16,6 +16,7 @@ use cohold_core::device::Reading;
 use cohold_core::device::encoder::Shown;
 use cohold_core::device::probe::{Outcome, Probe};
 use cohold_core::law::Packet;
+use cohold_core::peer::Arrived;
 use cohold_core::safety::{Command, Fault, Mode};
 use cohold_core::sample::OfAxis;
 use firmware_parts::exchange::{Producer, Reader, Writer, put};
@@ -147,19 +148,20 @@ impl Loop {
             self.boundary();
         }
         let life = self.side.signals.life.acquire();
-        if life != self.life {
+        let parted = life != self.life;
+        if parted {
             self.life = life;
-            self.peer.part();
             flags |= record::PARTED;
         }
         let incoming = &mut self.side.incoming;
         let received =
             if incoming.fetch() { Some(incoming.get()) } else { None }.filter(|received| received.life == life);
-        if let Some(received) = received {
+        // Two calls, of which each is compiled for what is known here.
+        if let Some(Received { packets, .. }) = received {
             flags |= record::RECEIVED;
-            self.peer.hear(&received.packets);
-        } else if self.side.signals.old.get() {
-            self.peer.delayed();
+            self.peer.arrive(Arrived { parted, packets: Some(packets), late: false });
+        } else {
+            self.peer.arrive(Arrived { parted, packets: None, late: self.side.signals.old.get() });
         }
         if due {
             flags |= record::SENT;

@@ -88,6 +88,8 @@ pub mod aged;
 pub mod bytes;
 pub mod cipher;
 pub mod clock;
+#[cfg(feature = "peer")]
+pub mod end;
 pub mod ends;
 mod engagement;
 mod error;

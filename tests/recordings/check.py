@@ -1,12 +1,15 @@
 """Reads recordings of cohold with the registry's own `mcap`, and compares them with what `cohold recording convert` made of them.
 
-check.py RECORDING TABLE. Fails with what differs.
+check.py COHOLD records a run in memory and two live peers with this program, and fails with what differs.
 """
 
 import csv
 import math
+import subprocess
 import sys
+import tempfile
 import tomllib
+from pathlib import Path
 
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
@@ -60,4 +63,31 @@ def check(recording: str, table: str) -> None:
     print(f"{recording}: {len(rows)} channels, {len(lines)} rows of {first} are those of {table}")
 
 
-check(*sys.argv[1:])
+SCENE = ["--scene", "any-network", "--set=user.1.push_n=1", "--set=user.2.push_n=1", "--seconds=2", "--json"]
+ADDRESSES = ["127.0.0.1:47101", "127.0.0.1:47102"]
+
+
+def main(program: str) -> None:
+    with tempfile.TemporaryDirectory() as made:
+
+        def begin(*words: str) -> subprocess.Popen:
+            return subprocess.Popen([program, *words], cwd=made)
+
+        def done(*running: subprocess.Popen) -> None:
+            ended = [one.wait() for one in running]
+            assert not any(ended), (running[0].args, ended)
+
+        def peer(number: int) -> subprocess.Popen:
+            listen, connect = ADDRESSES[number - 1], ADDRESSES[2 - number]
+            ends = ["--number", str(number), "--listen", listen, "--connect", connect, "--key-file", "key"]
+            return begin("peer", "--quiet", *ends, *SCENE, "--record", f"peer-{number}.mcap")
+
+        done(begin("cooperate", *SCENE, "--record", "memory.mcap"))
+        done(begin("key", "generate", "--json", "key"))
+        done(peer(1), peer(2))
+        for name in ["memory", "peer-1", "peer-2"]:
+            done(begin("recording", "convert", "--json", f"{name}.mcap", f"{name}.csv"))
+            check(str(Path(made) / f"{name}.mcap"), str(Path(made) / f"{name}.csv"))
+
+
+main(sys.argv[1])

@@ -1,5 +1,5 @@
 //! The step `homes`: two homes behind routers in network namespaces of this machine, with `cohold` as it is built for tests; and the recipes of
-//! docs/networks.md, with the programs that they name.
+//! docs/guides/own-network.md, with the programs that they name.
 
 use crate::run::{self, Failure, command};
 use crate::{page, setup, test};

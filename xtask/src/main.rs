@@ -46,7 +46,7 @@ struct Chore {
     run: fn(&Options<'_>) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 18] = [
+const CHORES: [Chore; 19] = [
     Chore {
         name: "quick",
         options: "",
@@ -108,7 +108,7 @@ wire (protocol): instructions-cortex-m7.txt in each. Each count may differ by 2 
     Chore {
         name: "drawings",
         options: " [--check]",
-        does: "Draws the sheets of docs/assembly.md from the board's netlist, and writes that page's tables",
+        does: "Draws the sheets of docs/guides/board/assembly.md from the board's netlist, and writes that page's tables",
         more: "From firmware/wiring/netlist.toml, which must break none of the rules in firmware/wiring/src/rules.rs.
   --check   change nothing; fail if a drawing or a table would change",
         run: |given| drawings::drawings(given.flag("--check")),
@@ -184,7 +184,7 @@ that is called stable grows.
         does: "Says what two bare boards and wires between them are to show on silicon, or runs it on them or on two virtual ones",
         more: "One NUCLEO-H743ZI2 runs the release image, the other plays device, faults and logic analyser: wires, what is driven,
 what is measured, and what it must be. The runner is that of the virtual boards; the first time it builds an emulator.
-  --page               write docs/silicon.md, which says what has met silicon, when, with which image
+  --page               write docs/results/hardware.md: which tests physical boards have passed, when, with which image
   --virtual            run both images on virtual boards, wired pin to pin, and each test that these can
   --boards             run it on two boards, by the serial numbers of their probes (`probe-rs list`): that under test, which has its keys
                        (provision), and the rig. Both are flashed; what came of each test is kept in tests/rig/silicon.txt, and the page
@@ -211,8 +211,15 @@ does not lean on what its row says, or if one of the heart newly leans on a gues
         options: " [--check] [--page FILE]",
         does: "Writes what the commands named in README.md and docs/ print, and the pictures they draw, into them",
         more: "  --check   change nothing; fail if a text would change
-  --page    this one only: README.md, docs/accuracy.md",
+  --page    this one only: README.md, docs/results/accuracy.md",
         run: |given| readme::readme(given.flag("--check"), given.value("--page")),
+    },
+    Chore {
+        name: "site",
+        options: "",
+        does: "Builds the documentation in docs/ as a site with a search, in target/site",
+        more: "With mdBook, which it installs below target/. Links are checked by `cargo xtask test`.",
+        run: |_| readme::site(),
     },
     Chore {
         name: "release",

@@ -25,9 +25,22 @@ pub(crate) const CRATES: [&str; 9] = [
 
 /// Packs and checks everything.
 pub(crate) fn check() -> Result<(), Failure> {
+    CRATES.iter().try_for_each(is_no_strangers)?;
     // What is not committed is packed too: it is what the tests look at.
     run(cargo(&["publish", "--dry-run", "--locked", "--allow-dirty", "--no-verify"]).args(named()))?;
     sources()
+}
+
+/// Asks crates.io for a name: it is free, or what it has carries this project's keyword.
+fn is_no_strangers(name: &&'static str) -> Result<(), Failure> {
+    // Elsewhere than in this workspace, whose own crate cargo would find.
+    let mut ask = command("cargo", &["info", "--registry", "crates-io", name]);
+    let told = ask.current_dir(std::env::temp_dir()).output().map_err(|cause| Failure::new(cause.to_string()))?;
+    let [said, why] = [&told.stdout, &told.stderr].map(|text| String::from_utf8_lossy(text));
+    if said.contains("#cohold") || why.contains("could not find") {
+        return Ok(());
+    }
+    Err(Failure::new(format!("{name} is a stranger's on crates.io, or the index does not answer: {said}{why}")))
 }
 
 /// The crates as cargo is told of them.

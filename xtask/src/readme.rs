@@ -1,13 +1,14 @@
 //! `cargo xtask readme`: writes what commands print and draw into README.md and the pages under docs/, so that no figure
-//! there is older than the code.
+//! there is older than the code. It also runs the commands of tutorials, and looks whether links lead anywhere.
 //!
-//! | marker, a line of its own | what it holds |
+//! | marker on a separate line | what follows it |
 //! |---|---|
 //! | `<!-- cohold ARGUMENTS -->` | before a fenced block: the command's standard output |
 //! | `<!-- first N lines of cohold ARGUMENTS -->` | before a fenced block: where its output begins |
 //! | `<!-- table of cohold ARGUMENTS -->` | before a Markdown table: the first table of its output |
 //! | `<!-- file PATH -->` | before a fenced block: a reviewed file of the repository |
 //! | `<!-- PATH from cohold ARGUMENTS -->` | before a picture: the file that the command writes, copied to where the picture is |
+//! | `<!-- run -->` | before a fenced block: commands that `--check` runs, those of one page in order and in one folder |
 //!
 //! Commands run in an empty folder, so that what they name does not depend on what others have written. Only commands whose
 //! output does not depend on the clock belong there. `--check` changes nothing, compares no pictures, and fails where a text
@@ -22,6 +23,9 @@ use crate::run::{self, Failure, command, output_up_to};
 pub(crate) fn readme(check: bool, page: Option<&str>) -> Result<(), Failure> {
     let cohold = HostSim { program: run::cohold(true)?.display().to_string(), empty: target().join("pages") };
     let pages = page.map_or_else(pages, |page| Ok(vec![run::root().join(page)]))?;
+    if check {
+        run::run(&mut command("python3", &["xtask/pages.py", "run", &cohold.program]))?;
+    }
     let stale = pages.iter().map(|page| refresh(page, &cohold, check)).collect::<Result<Vec<_>, _>>()?;
     match stale.into_iter().flatten().collect::<Vec<_>>() {
         stale if check && !stale.is_empty() => Err(Failure::new(format!(
@@ -32,15 +36,21 @@ pub(crate) fn readme(check: bool, page: Option<&str>) -> Result<(), Failure> {
     }
 }
 
-/// README.md and the pages of docs/, in the order of their names.
+/// Package that builds the site.
+const MDBOOK: &str = "mdbook@0.5.4";
+
+/// Builds the pages of docs/ as a site.
+pub(crate) fn site() -> Result<(), Failure> {
+    let tools = target().join("tools");
+    run::run(run::cargo(&["install", "--locked", MDBOOK, "--root"]).arg(&tools))?;
+    run::run(command(&tools.join("bin/mdbook").to_string_lossy(), &["build", "docs"]).env("RUST_LOG", "warn"))
+}
+
+/// Every page of the repository that git knows, or would add.
 fn pages() -> Result<Vec<PathBuf>, Failure> {
-    let docs = run::root().join("docs");
-    let listed = std::fs::read_dir(&docs).map_err(|cause| failed("read", &docs, &cause))?;
-    let mut pages: Vec<PathBuf> = listed.filter_map(|entry| Some(entry.ok()?.path())).collect();
-    pages.retain(|path| path.extension().is_some_and(|ending| ending == "md"));
-    pages.sort();
-    pages.insert(0, run::root().join("README.md"));
-    Ok(pages)
+    let listed = run::output(&mut command("git", &["ls-files", "--cached", "--others", "--exclude-standard", "*.md"]))?;
+    let there = |path: PathBuf| path.exists().then_some(path);
+    Ok(listed.lines().filter_map(|path| there(run::root().join(path))).collect())
 }
 
 fn failed(what: &str, path: &Path, cause: &std::io::Error) -> Failure {

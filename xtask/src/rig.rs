@@ -16,7 +16,7 @@ const PORTS: &str = "/dev/serial/by-id";
 /// The first board's address, as it is delivered.
 const ADDRESS: &str = "192.168.77.1";
 
-/// Prints what each test would do, writes docs/silicon.md, or runs the list.
+/// Prints what each test would do, writes docs/results/hardware.md, or runs the list.
 pub(crate) fn rig(given: &Options<'_>) -> Result<(), Failure> {
     if let Some(boards) = given.value("--boards") {
         return on_a_table(given, boards);

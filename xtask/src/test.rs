@@ -66,9 +66,13 @@ const BOARDS: [Step; 10] = [
 
 /// Everything else, cheapest first. Cargo has one folder for what it builds, and one lane waits while the other is in there: so what calls it in
 /// debug stands before the tests, which run while the other lane builds its bench.
-const REST: [Step; 11] = [
+const REST: [Step; 12] = [
     Step("format", Always, |_, _| format()),
     Step("rooms", Always, |ready, _| rooms::rooms(&calls(ready), false)),
+    Step("pages", Always, |_, _| {
+        let looks = |words: &[&str]| run(&mut run::command("python3", words));
+        looks(&["xtask/pages.py", "links"]).and_then(|()| looks(&["xtask/prose.py", "--check"]))
+    }),
     Step("licences", Always, |_, _| licences::licences()),
     Step("page", Always, |_, _| page::browser().and_then(|()| page::page(false))),
     Step("platforms", Unless(&[], &[]), |_, _| platforms::check()),

@@ -21,7 +21,7 @@
 //! cross. A copy that nobody holds is drawn along for as long as its account lasts; who pushes one copy moves the other by no more than was stored there. Laws
 //! that send energy along (a ledger, a tank) do not pay that. Not promised: that drift is made good. Needs `object.integrator = "midpoint"`.
 //!
-//! `input-gated`, its name before, is another method (Kanai, Kanazawa, Ichiwara, Ito, Noguchi & Ogata 2025, arXiv 2509.08226; docs/theory.md, section 12).
+//! `input-gated`, its name before, is another method (Kanai, Kanazawa, Ichiwara, Ito, Noguchi & Ogata 2025, arXiv 2509.08226; docs/reference/theory.md, section 12).
 
 use crate::tank::{MIDPOINT, START, needs_midpoint};
 use cohold_core::law::credit::CAP_J;

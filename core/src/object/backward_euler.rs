@@ -7,7 +7,7 @@
 //! **L-stable.** What a spring K between the copy and the end of a line of impedance b keeps of its stretch in a tick is
 //! (1 − (1 − θ)·a)/(1 + θ·a) with a = K·T_c/z, z = b in a row with m_O/(θ·T_c), and θ = ½ midway, 1 here: for a large K that is −1 midway, an
 //! alternation from tick to tick that takes a/4 ticks to fade, and 1/(1 + a) here, rest within the tick. Take it where K_T·T_c is far above
-//! what the spring pulls at (THEORY §7 has no such case): at `coordination.stiffness_n_per_m` = 10⁷ a jolt alternates by newtons midway.
+//! what the spring pulls at (a case beyond THEORY §7): at `coordination.stiffness_n_per_m` = 10⁷ a jolt alternates by newtons midway.
 //!
 //! **Passive.** Where the midpoint rule makes no energy, this takes some: ½·m_O·ẋ_o² changes by T_c·(ΣF·v − b_O·v²) − ½·m_O·(Δẋ_o)², and a
 //! spring's ½K·s² by T_c·F·ṡ − ½K·(Δs)² with ṡ the velocity of the tick. So a law that pays for its energy with the way of the same tick

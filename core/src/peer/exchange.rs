@@ -10,6 +10,17 @@ use crate::law::{Law, Packet};
 use crate::num::Scalar;
 use crate::safety::{Fault, Mode};
 
+/// What has come from the other peer since the last tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Arrived<'a, S: Scalar, const SHARED: usize> {
+    /// The other peer has gone, or has started again: nothing counts that came before.
+    pub parted: bool,
+    /// The newest packets, one for each shared axis.
+    pub packets: Option<&'a [Packet<S>; SHARED]>,
+    /// Packets come too late to be used, as [`Peer::delayed`] has it.
+    pub late: bool,
+}
+
 impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S, N>> Peer<S, L, SHARED, N, K> {
     /// Whether [`Peer::exchange`] is due before the next [`Peer::tick`].
     pub fn packet_due(&self) -> bool {
@@ -83,6 +94,19 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             if self.engagement.silent() >= self.hand.guard.silent_packets && !self.falls() {
                 self.trip(if self.delayed { Fault::PeerDelayed } else { Fault::PeerLost });
             }
+        }
+    }
+
+    /// Takes what has come since the last tick, in the order that a board and a PC share: first that the other peer has gone, then its packets.
+    #[inline(always)]
+    pub fn arrive(&mut self, Arrived { parted, packets, late }: Arrived<'_, S, SHARED>) {
+        if parted {
+            self.part();
+        }
+        match packets {
+            Some(packets) => self.hear(packets),
+            None if late => self.delayed(),
+            None => {}
         }
     }
 

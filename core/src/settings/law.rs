@@ -46,7 +46,7 @@ pub struct LawInfo {
     pub keys: &'static [Key],
     /// Settings (`key=value`) with which campaigns and figures run the law: gains that are worth trying.
     pub gains: &'static [&'static str],
-    /// Source of the law: authors, year, equation; or the section of docs/theory.md (THEORY). Empty if there is none.
+    /// Source of the law: authors, year, equation; or the section of docs/reference/theory.md (THEORY). Empty if there is none.
     pub source: &'static str,
     /// Promises of the law, which tests hold it to.
     pub promises: &'static [Promise],

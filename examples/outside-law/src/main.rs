@@ -6,7 +6,7 @@
 //! cargo run -- cooperate --set coordination.comm=predict
 //! cargo run -- stability limit --of coordination.stiffness_n_per_m --from 0 --to 2000 --set coordination.comm=predict
 //! cargo run -- stability point --set coordination.comm=predict --set predict.ahead_s=0.01
-//! cargo run -- campaign
+//! cargo run -- study networks
 //! ```
 //!
 //! In cohold-core or cohold-laws the same law would be this file and a line in each list that has it.

@@ -4,7 +4,7 @@
 //! put on the wires is shorter, and a level of the fastest encoder allowed, 3 MHz of edges, lasts five times as long.
 //!
 //! No pull inside the chip is on: with one, a pin that bears 5 V does not bear them (its data sheet, "I/O structure"). What open
-//! collectors and cut wires need is on the wiring (docs/assembly.md).
+//! collectors and cut wires need is on the wiring (docs/guides/board/assembly.md).
 //!
 //! Beside counting, channels 1 and 2 capture at rising edges of A and B, which leaves a flag at the first and another one at the next:
 //! a wire that is cut shows none. Channel 3 captures the counter at a rising edge of the index, in hardware: this timer has no index

@@ -19,7 +19,7 @@
 //!
 //! When amplifiers are disabled by the program, commands stay at no current for [`LETS_GO`] more ([`shut`]): so long they have to let go.
 //! A break cannot wait: it takes the commands in the same instant as PE14. An amplifier that is slower to let go than it is to follow
-//! must take a line that does not change for no current; docs/assembly.md asks for one of the two.
+//! must take a line that does not change for no current; docs/guides/board/assembly.md asks for one of the two.
 
 use cohold_core::device::motor::Duty;
 use firmware_parts::image::JOINTS;

@@ -1,6 +1,6 @@
 //! The chip, an STM32H743 or H753, and what is at its pins. The only folder that knows it; [`crate::boards`] knows which pin is wired to what.
 //!
-//! docs/assembly.md has the wiring. Ethernet is the Nucleo's own, and so is USB in its place (feature `usb`).
+//! docs/guides/board/assembly.md has the wiring. Ethernet is the Nucleo's own, and so is USB in its place (feature `usb`).
 //!
 //! Interrupt priorities, most urgent first: 0 current loop, 1 tick, 2 bell, 3 supervisor, 4 time driver, 5 Ethernet or USB, 6 network executor,
 //! thread: storage. A critical section masks 2 and everything below it, never the loop or the tick.

@@ -6,7 +6,7 @@
 //! | [`rules`] | what must be true of any wiring of a board: ends, drivers, levels, grounds, values |
 //! | [`sheet`] | where everything goes on a drawing |
 //! | [`svg`] | a drawing as a file |
-//! | [`page`] | the tables of docs/assembly.md |
+//! | [`page`] | the tables of docs/guides/board/assembly.md |
 //!
 //! Nothing here knows the firmware: tests/suite.rs reads its sources and compares.
 #![forbid(unsafe_code)]

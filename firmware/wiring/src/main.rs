@@ -1,4 +1,4 @@
-//! `cargo xtask drawings`: draws the sheets of docs/assembly.md and writes its tables, or with `--check` says what differs.
+//! `cargo xtask drawings`: draws the sheets of docs/guides/board/assembly.md and writes its tables, or with `--check` says what differs.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -25,8 +25,9 @@ fn written(check: bool) -> Result<(), String> {
         return Err(wrong.join("\n"));
     }
     let docs = here.join("../../docs");
-    let guide = docs.join("assembly.md");
-    let mut files: Vec<(PathBuf, String)> = vec![(guide.clone(), page::filled(&read(&guide)?, &netlist)?)];
+    let [first, second] = page::PAGES.map(|page| docs.join(page));
+    let filled = page::filled([read(&first)?, read(&second)?], &netlist)?;
+    let mut files: Vec<(PathBuf, String)> = [first, second].into_iter().zip(filled).collect();
     for sheet in &netlist.sheet {
         let drawing = sheet::draw(&netlist, sheet)?;
         files.push((docs.join(format!("{}.svg", sheet.file)), svg::svg(&drawing, &sheet.title)));

@@ -1,24 +1,26 @@
-//! The tables of docs/assembly.md, between marks that name them.
+//! The tables of the pages that tell how to build a board, between marks that name them.
 
 use crate::netlist::{Buy, Netlist, Sheet, split};
 
-/// A page with its tables as the netlist says.
+/// The pages, in docs/.
+pub const PAGES: [&str; 2] = ["guides/board/assembly.md", "guides/board/variants.md"];
+
+/// The pages with their tables as the netlist says.
 ///
 /// # Errors
-/// It lacks the marks of a table.
-pub fn filled(page: &str, netlist: &Netlist) -> Result<String, String> {
-    let first = between(page, "parts", &parts(netlist))?;
-    let fill = |page: String, sheet: &Sheet| between(&page, &sheet.file, &wires(netlist, sheet));
-    netlist.sheet.iter().try_fold(first, fill)
-}
-
-fn between(page: &str, table: &str, rows: &str) -> Result<String, String> {
-    let (begin, end) =
-        (format!("<!-- {table}: written by cargo xtask drawings -->\n"), format!("<!-- end of {table} -->"));
-    let missing = || format!("docs/assembly.md has no marks of {table}");
-    let (before, rest) = page.split_once(&begin).ok_or_else(missing)?;
-    let (_, after) = rest.split_once(&end).ok_or_else(missing)?;
-    Ok(format!("{before}{begin}{rows}{end}{after}"))
+/// No page has the marks of a table.
+pub fn filled(mut pages: [String; 2], netlist: &Netlist) -> Result<[String; 2], String> {
+    let tables = netlist.sheet.iter().map(|sheet| (sheet.file.as_str(), wires(netlist, sheet)));
+    for (table, rows) in tables.chain([("parts", parts(netlist))]) {
+        let marks =
+            (format!("<!-- {table}: written by cargo xtask drawings -->\n"), format!("<!-- end of {table} -->"));
+        let missing = || format!("neither {} nor {} has the marks of {table}", PAGES[0], PAGES[1]);
+        let page = pages.iter_mut().find(|page| page.contains(&marks.0)).ok_or_else(missing)?;
+        let (before, rest) = page.split_once(&marks.0).ok_or_else(missing)?;
+        let (_, after) = rest.split_once(&marks.1).ok_or_else(missing)?;
+        *page = format!("{before}{}{rows}{}{after}", marks.0, marks.1);
+    }
+    Ok(pages)
 }
 
 fn parts(netlist: &Netlist) -> String {

@@ -97,7 +97,7 @@ type Step<'a> = (&'static str, fn(&mut BringUp<'a>) -> Result<String, Error>, &'
 
 fn steps<'a>() -> [Step<'a>; 12] {
     [
-        ("light", BringUp::light, "docs/assembly.md, step 1"),
+        ("light", BringUp::light, "docs/guides/board/assembly.md, step 1"),
         (
             "emergency stop",
             BringUp::stop_is_seen,
@@ -112,7 +112,7 @@ fn steps<'a>() -> [Step<'a>; 12] {
         ("first contact", BringUp::first_contact, "scale and signs of encoder and motor in the settings file"),
         ("stop", BringUp::stop, "the stop's first contact, and do not use the device before it works"),
         ("cable", BringUp::cable, "safety.operator_lost_s, and do not use the device before this works"),
-        ("time", BringUp::time, "`time` in docs/hardware.md, and what the board did in that tick"),
+        ("time", BringUp::time, "`time` in docs/guides/board/operate.md, and what the board did in that tick"),
     ]
 }
 

@@ -4,9 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use cohold_core::num::Scalar;
-use cohold_io::Kind;
-use cohold_plot::write_file;
-use cohold_studies::campaign::laws::page::{MOST, PICTURE, page};
+use cohold_studies::campaign::laws::page::{LAWS, PICTURE, sections};
 use cohold_studies::campaign::laws::{asked_for, bench, figures, law_scenes, tables};
 use cohold_studies::campaign::{Cell, campaign, columns, cost_columns, costs, of_scene};
 use serde_json::json;
@@ -46,9 +44,9 @@ pub(super) struct Laws {
     names: String,
     #[command(flatten)]
     scene: SceneArgs,
-    /// Also write the page of the laws in Markdown; the picture then stands beside it.
+    /// Also write the tables between their lines of this page, and the picture beside the first. May be repeated.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["scene", "set", "seed"])]
-    page: Option<PathBuf>,
+    page: Vec<PathBuf>,
     #[command(flatten)]
     out: Out,
 }
@@ -63,11 +61,11 @@ impl Laws {
         let (table, networks, impedance) = (tables::columns(&rows), columns(&cells), tables::impedance_columns(&rows));
         let provenance = ui.provenance().with("number_type", f64::NAME).settings(scenes[0].settings());
         let mut files = Vec::new();
-        // The impedance is drawn once: beside the page if there is one.
+        // The impedance is drawn once: for a page if there is one.
         for (name, table, figure) in [
             ("laws", &table, None),
             ("laws-networks", &networks, None),
-            ("laws-impedance", &impedance, self.page.is_none().then(|| figures::impedance(&rows))),
+            ("laws-impedance", &impedance, self.page.is_empty().then(|| figures::impedance(&rows))),
         ] {
             files.extend(ui.files(&self.out, "laws", name, &provenance, |files| {
                 files.csv(table)?;
@@ -75,13 +73,17 @@ impl Laws {
                 figure.map_or(Ok(()), |figure| files.figure(None, &figure))
             })?);
         }
-        if let Some(file) = &self.page {
+        if let Some(first) = self.page.first() {
             let set: Vec<String> = EACH_TICK.map(str::to_owned).to_vec();
             let scenes = law_scenes(ui.laws, &chosen, None, &set)?;
             let (each_tick, _) = ui.work(chosen.len(), "laws", |step| bench(ui.laws, &scenes, &|| step()))?;
-            let old = cohold_io::text(file, MOST).unwrap_or_default();
-            write_file(file, "Markdown", page(&rows, &each_tick, &old).as_bytes(), Kind::Named)?;
-            files.extend([file.clone(), Ui::beside(file, PICTURE, &figures::impedance(&rows))?]);
+            let written = LAWS.into_iter().zip(sections(&rows, &each_tick));
+            for (page, (lines, text)) in self.page.iter().flat_map(|page| written.clone().map(move |of| (page, of))) {
+                if Ui::has(page, lines)? {
+                    ui.rewrite(page, lines, &text)?;
+                }
+            }
+            files.push(Ui::beside(first, PICTURE, &figures::impedance(&rows))?);
         }
         ui.document_of(
             &provenance,

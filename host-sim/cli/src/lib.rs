@@ -38,10 +38,10 @@ mod network;
 mod number;
 mod paper;
 mod prove;
-pub mod qr;
 pub mod recordings;
 mod reproduce;
 pub mod road;
+mod scene;
 mod stability;
 mod study;
 mod sweep;
@@ -50,6 +50,7 @@ mod vectors;
 
 use std::{error::Error as _, ffi::OsString, process::ExitCode, sync::Arc};
 
+use clap::builder::Resettable;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
@@ -96,12 +97,12 @@ pub trait Commands: Subcommand {
     fn run(&self, ui: &Ui) -> Result<(), Failure>;
 }
 
-/// Two people, two haptic devices, one shared virtual object, over a network: simulated, measured, proved.
+/// Two people hold one virtual object over a network. Simulates, measures and proves it.
 ///
-/// Without a command: the cooperation paper's experiments (`paper`).
+/// Without a command it runs the cooperation paper's experiments (`paper`).
 ///
-/// Exit status: 0 what was asked for is done, and good; 1 it is done and is not (`cooperate` unstable or apart, `stability point`
-/// unstable, a peer with a fault or never armed); 2 it cannot be done, and one line says why.
+/// Exit status: 0 done, with a good result. 1 done, with a bad result, for example an unstable scene, or a peer that stopped with a
+/// fault or never armed. 2 not done; one line names the reason.
 #[derive(Debug, Parser)]
 #[command(name = "cohold", version, disable_help_subcommand = true)]
 struct CommandLine {
@@ -118,37 +119,45 @@ struct CommandLine {
 commands! {
     /// What cohold does.
     pub(crate) Command {
-        /// The cooperation paper's experiments, Figures 6-9 and its table of gains, beside the paper's own numbers.
+        /// Run the cooperation paper's experiments and compare them with its numbers.
         #[command(args_conflicts_with_subcommands = true)]
         Paper(paper::Paper),
-        /// Two peers hold one object: run a scene, report discrepancy, force, energy and stability.
+        /// Simulate two peers that hold one object. Reports position error, force, energy and stability.
         Cooperate(cooperate::Cooperate),
-        /// Stability regions, limits and margins, computed from the code that flies.
+        /// Write a scene file to start from.
+        #[command(subcommand)]
+        Scene(scene::Scene),
+        /// Compute stability from the firmware's own code: a verdict, a limit, a map, gains, or a proof of limits.
         #[command(subcommand)]
         Stability(stability::Question),
-        /// Scenes or laws over ranges of their keys, networks and seeds: which is best where, and how sure that is; goes on where it was stopped.
+        /// Compare scenes or laws over settings, networks and seeds, with confidence intervals. Resumes where it was stopped.
         #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
         Study(study::Study),
-        /// Speed against error: every numerical choice, and what each model adds to a tick; f32 and fixed point beside f64.
+        /// Measure the error and the cost of each numerical choice.
         Accuracy(accuracy::Accuracy),
-        /// One peer in real time over UDP, sealed; run two of them.
+        /// Run one peer in real time over an encrypted UDP line. Start two of them.
         Peer(live::Peer),
-        /// What is attached to this machine, and ten steps to try one of them by, the smallest force first; writes what a scene needs of it.
-        /// `devices emulate` is a device where none is.
+        /// List attached devices, test one in ten steps from the smallest force up, or emulate one.
         Devices(devices::Devices),
-        /// What has been recorded: tables of it, both ends on one clock, and what its columns mean.
+        /// Convert recordings, merge two of them on one clock, and explain their columns.
         #[command(subcommand)]
         Recording(recordings::RecordingCommands),
-        /// Keys of sealed lines: make one, or turn it into a board's.
+        /// Make a key file for peers, a hub or a board.
         #[command(subcommand)]
         Key(key::Key),
-        /// A board on the bench: lines to it, calibration, recordings for another processor.
+        /// Operate a board: arm, calibrate, bring up, update, read its log.
         #[command(subcommand)]
         Board(board::Board),
-        /// A bad network for real, a recording of one, and what a network between two machines does.
+        /// Measure a network, record it, or put a bad one between two machines.
         #[command(subcommand)]
         Network(network::Network),
     }
+}
+
+/// This command with what is added, described as before: clap would take the comment on a group for its description.
+fn as_described(command: clap::Command, add: impl FnOnce(clap::Command) -> clap::Command) -> clap::Command {
+    let [about, long] = [command.get_about(), command.get_long_about()].map(|text| Resettable::from(text.cloned()));
+    add(command).about(about).long_about(long)
 }
 
 /// A flag that takes a value takes a negative number too: it is out of range, and no flag of its own.
@@ -344,13 +353,14 @@ impl Cli {
     /// Every command, those of guests last.
     fn command(&self) -> clap::Command {
         let add = |command: clap::Command, added: &Added| match added.under {
-            "" => (added.declare)(command),
-            under => command.mut_subcommand(under, &added.declare),
+            "" => as_described(command, &added.declare),
+            under => command.mut_subcommand(under, |command| as_described(command, &added.declare)),
         };
         let mut command = self.added.iter().fold(CommandLine::command(), add);
         if let Some(Road { at, declare, .. }) = &self.road {
             let here = at.iter().filter(|name| command.find_subcommand(name).is_some()).collect::<Vec<_>>();
-            command = here.into_iter().fold(command, |command, name| command.mut_subcommand(name, declare));
+            let with_road = |command: clap::Command, name| command.mut_subcommand(name, |of| as_described(of, declare));
+            command = here.into_iter().fold(command, with_road);
         }
         negative_numbers(command)
     }
@@ -391,6 +401,15 @@ impl Cli {
     }
 }
 
+/// The numbers that an argument accepts, from an error of the parser.
+fn plainly(cause: &str) -> String {
+    match cause.split_once(" is not in ").and_then(|(_, range)| range.split_once("..=")) {
+        Some((from, to)) => format!("it must be a whole number from {from} to {to}"),
+        None if cause.starts_with("invalid digit") => "it must be a whole number".to_owned(),
+        None => cause.to_owned(),
+    }
+}
+
 /// What is wrong with the arguments, in one line.
 fn refusal(error: &clap::Error) -> String {
     let texts = |kind| match error.get(kind) {
@@ -402,7 +421,7 @@ fn refusal(error: &clap::Error) -> String {
     let value = text(ContextKind::InvalidArg).zip(text(ContextKind::InvalidValue)).zip(error.source());
     if let Some(((flag, value), cause)) = value.filter(|_| error.kind() == ErrorKind::ValueValidation) {
         let flag = flag.split(' ').next().unwrap_or(flag);
-        return format!("{flag} {value} is not allowed: {cause}");
+        return format!("{flag} {value} is not allowed: {}", plainly(&cause.to_string()));
     }
     let rendered = error.to_string();
     let said: Vec<&str> = rendered.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();

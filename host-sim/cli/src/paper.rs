@@ -50,6 +50,7 @@ impl Paper {
         if !pictures.is_empty() {
             ui.pictures(&pictures);
         }
+        writeln!(ui, "Next: `cohold play` to hold the object yourself, and docs/start.md for the first ten minutes.");
         Ok(())
     }
 }

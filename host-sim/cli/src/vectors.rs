@@ -2,7 +2,7 @@
 //! is compiled where it runs.
 //!
 //! Named as this one and its level, `cohold-x86-64-v4`. Both compute the same bits. `COHOLD_VECTORS` names the widest level that is
-//! taken: `x86-64-v4`, `x86-64-v3`, or `compiled` for none. Why another program and no function of this one: docs/speed.md.
+//! taken: `x86-64-v4`, `x86-64-v3`, or `compiled` for none. Why another program and no function of this one: docs/results/speed.md.
 
 use super::Failure;
 

@@ -141,9 +141,9 @@ impl Ticker {
 
 /// What a person reads whose system gives no real-time priority, and may do about it.
 pub const NO_PRIORITY: &str = if cfg!(target_os = "linux") {
-    "this user may have no real-time priority, so ticks come late when the machine is busy: run `sudo setcap cap_sys_nice=ep` on this program, or add `USER - rtprio 50` to /etc/security/limits.conf and log in anew (docs/devices.md, Real-time priority)"
+    "this user may have no real-time priority, so ticks come late when the machine is busy: run `sudo setcap cap_sys_nice=ep` on this program, or add `USER - rtprio 50` to /etc/security/limits.conf and log in anew (docs/guides/devices/index.md, Real-time priority)"
 } else {
-    "the system gives no real-time priority, so ticks come late when the machine is busy (docs/devices.md, Real-time priority)"
+    "the system gives no real-time priority, so ticks come late when the machine is busy (docs/guides/devices/index.md, Real-time priority)"
 };
 
 /// Asks for a real-time priority for this thread, and says whether it got one.
@@ -399,6 +399,28 @@ impl Endpoint {
         Ok(())
     }
 
+    /// One turn of an actor whose loop has a clock of its own: it takes what has come, no longer than `until`, and acts.
+    ///
+    /// # Errors
+    /// The socket failed.
+    pub fn turn(
+        &self,
+        (came, going): (&mut ReceivedBatch, &mut OutgoingBatch),
+        until: Instant,
+        actor: &mut impl Live,
+    ) -> Result<(), Error> {
+        self.hear(came, going, until, actor)?;
+        self.act(going, actor);
+        Ok(())
+    }
+
+    fn act(&self, going: &mut OutgoingBatch, actor: &mut impl Live) {
+        let mut send = |to, datagram: &[u8]| self.say(going, to, datagram);
+        actor.speak(self.now_ns(), &mut send);
+        actor.act(self.now_ns(), &mut send);
+        self.flush(going);
+    }
+
     /// Runs an actor to its end, its goodbye included; without anybody there for no longer than `patience_s`.
     ///
     /// # Errors
@@ -423,10 +445,7 @@ impl Endpoint {
             if heard.is_err() || stop.is_asked() {
                 break heard;
             }
-            let mut send = |to, datagram: &[u8]| self.say(&mut going, to, datagram);
-            actor.speak(self.now_ns(), &mut send);
-            actor.act(self.now_ns(), &mut send);
-            self.flush(&mut going);
+            self.act(&mut going, actor);
             let end = actor.end().or_else(|| ticker.is_over().then_some(Ok(())));
             let late = ticker.start.elapsed().as_secs_f64() > patience_s;
             match (end, actor.missing()) {

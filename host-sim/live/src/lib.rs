@@ -11,7 +11,6 @@ mod error;
 pub mod hand;
 #[doc(hidden)]
 pub mod key_file;
-pub mod line_words;
 pub mod measuring;
 pub mod node;
 pub mod operator;

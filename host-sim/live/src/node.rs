@@ -19,11 +19,12 @@ use std::collections::VecDeque;
 use cohold_core::device::AXES;
 use cohold_core::law::ledger::Ledger;
 use cohold_core::num::Motion;
-use cohold_core::peer::{Actuators, Observed};
+use cohold_core::peer::{Actuators, Arrived, Observed};
 use cohold_core::safety::{Command, Mode};
-use cohold_protocol::link::{Error, Link, Notice, Stage};
-use cohold_protocol::peer::{Inbox, flow_in, flow_of, open, packets_of};
-use cohold_protocol::wire::{Flows, Goodbye, Message, PeerId, Telemetry};
+use cohold_protocol::end::End;
+use cohold_protocol::link::{Error, Link, Notice};
+use cohold_protocol::peer::{Inbox, flow_of, open, packets_of};
+use cohold_protocol::wire::{Flows, Goodbye, PeerId, Telemetry};
 use cohold_protocol::{ends::Ends, key::Key};
 use cohold_sim::device::{Device, Gone};
 use cohold_sim::peers::{Builds, DynPeer};
@@ -103,61 +104,34 @@ impl<const SHARED: usize> Line<SHARED> {
         let inbox = Inbox::new(bounds, scene.world.network.playout_packets, settings.timing.ticks_per_packet);
         Ok(Self { link, inbox, heard: None, notices: VecDeque::new(), noticed: 0, lives: 0, start: Start::default() })
     }
-
-    /// Takes a datagram at a tick, opened in place; gives the flow, if it was that.
-    ///
-    /// # Errors
-    /// The datagram was refused, and why; where what it says cannot be, the other end is let go of.
-    pub fn receive(&mut self, now_us: u64, tick: u32, datagram: &mut [u8]) -> Result<Option<Flows<SHARED>>, Error> {
-        let taken = self.link.receive(now_us, datagram);
-        // Before the flow is kept: it may be the first of another life of the other peer.
-        self.heed(now_us);
-        let taken = taken?;
-        if let Some(Message::Telemetry(telemetry)) = taken {
-            self.heard = Some(telemetry);
-        }
-        let flow = taken.as_ref().and_then(flow_in);
-        if let Some(flow) = flow {
-            self.inbox.put(tick, flow)?;
-            self.start.hear(self.sealed_us(now_us), flow.engaged && !flow.fading);
-        }
-        Ok(flow)
-    }
-
-    /// When the newest datagram was sealed, µs of this end's clock: by the common clock, or, before that is known, half of its age ago.
-    pub fn sealed_us(&self, now_us: u64) -> u64 {
-        let offset_us = self.link.clock().offset_us(now_us);
-        let sealed_us =
-            offset_us.and_then(|offset_us| self.link.sealed_us().checked_add_signed(offset_us.saturating_neg()));
-        let ago_us = u64::from(self.link.delay_us().unwrap_or_default());
-        sealed_us.unwrap_or(now_us.saturating_sub(ago_us)).min(now_us)
-    }
-
-    /// Processes what the link has reported; `now_us` is the time, µs.
-    pub fn heed(&mut self, now_us: u64) {
-        while let Some(notice) = self.link.take_notice() {
-            if notice == Notice::Disengaged {
-                self.inbox.clear();
-                self.start.hear(now_us, false);
-            }
-            self.lives += u64::from(matches!(notice, Notice::NewPeer(_)));
-            if self.notices.len() == MOST_NOTICES {
-                self.notices.pop_front();
-            }
-            self.noticed += 1;
-            self.notices.push_back((now_us, notice));
-        }
-    }
 }
 
-/// One shared axis of a simulated device in the plane.
-impl Node {
-    /// Peer `number` (1 or 2) of a scene, disarmed and calling. `entropy` must never be the same at two starts.
-    ///
-    /// # Errors
-    /// A scene that cannot be built, or settings from which no link can be built.
-    pub fn new(scene: &Scene, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, crate::Error> {
-        Self::build(scene, number, key, entropy)
+impl<const SHARED: usize> End<SHARED> for Line<SHARED> {
+    fn link(&mut self) -> &mut Link {
+        &mut self.link
+    }
+
+    fn notice(&mut self, now_us: u64, notice: Notice) {
+        if notice == Notice::Disengaged {
+            self.inbox.clear();
+            self.start.hear(now_us, false);
+        }
+        self.lives += u64::from(matches!(notice, Notice::NewPeer(_)));
+        if self.notices.len() == MOST_NOTICES {
+            self.notices.pop_front();
+        }
+        self.noticed += 1;
+        self.notices.push_back((now_us, notice));
+    }
+
+    fn keep(&mut self, tick: u32, sealed_us: u64, flow: Flows<SHARED>) -> Result<(), Error> {
+        self.inbox.put(tick, flow)?;
+        self.start.hear(sealed_us, flow.engaged && !flow.fading);
+        Ok(())
+    }
+
+    fn telemetry(&mut self, said: Telemetry) {
+        self.heard = Some(said);
     }
 }
 
@@ -249,14 +223,8 @@ impl<const SHARED: usize, const N: usize, D: Device<f32, N> + ?Sized> Node<SHARE
             (self.begun, self.line.start) = (false, Start::default());
         }
         let (flow, parted) = self.line.inbox.take();
-        if parted {
-            self.peer.part();
-        }
-        if let Some(flow) = &flow {
-            self.peer.hear(&packets_of(flow));
-        } else if self.line.link.is_old() {
-            self.peer.delayed();
-        }
+        let packets = flow.as_ref().map(packets_of);
+        self.peer.arrive(Arrived { parted, packets: packets.as_ref(), late: self.line.link.is_old() });
         if self.peer.packet_due() {
             if let Some(packets) = self.peer.exchange() {
                 let engaged = self.peer.is_engaged();
@@ -389,22 +357,6 @@ impl<const SHARED: usize, const N: usize, D: Device<f32, N> + ?Sized> Node<SHARE
         };
         self.line.link.describe(now_us, &mut telemetry);
         telemetry
-    }
-
-    /// What a datagram of a third party must never change: stage of the link, packets taken, events under
-    /// way, tick of the newest flow, and whether the peer is engaged.
-    pub fn standing(&self) -> (Stage, u32, usize, Option<u32>, bool) {
-        let link = &self.line.link;
-        let tick = self.line.inbox.newest().map(|flow| flow.tick);
-        (link.stage(), link.counts().taken, link.events_under_way(), tick, self.peer.is_engaged())
-    }
-
-    /// All that a datagram could change, as text: link, newest flow and the peer, but for the count of refused datagrams.
-    pub fn fingerprint(&self) -> String {
-        let link = format!("{:?}", self.line.link);
-        // The last field of all.
-        let link = link.rfind("refused: ").map_or(link.as_str(), |end| &link[..end]);
-        format!("{link} {:?} {:?} {:?}", self.line.inbox, self.line.heard, self.peer)
     }
 }
 

@@ -1,11 +1,14 @@
 //! One peer in real time: a [`Node`] on an endpoint. What was heard in a packet period goes into the exchange at its end, newest
 //! flow only. It arms when the other one is there and, where somebody judges its scene ([`super::verdict`]), when the verdict lets it.
+//!
+//! [`run`] gives it a clock. A program that has one of its own gives it turns ([`Endpoint::turn`]), as the page does.
 
 use std::{net::SocketAddr, time::Duration};
 
 use cohold_core::safety::Mode;
 use cohold_protocol::key::Key;
 use cohold_protocol::link::Error;
+use cohold_protocol::path::Path;
 use cohold_protocol::wire::Telemetry;
 use cohold_sim::device::Device;
 use cohold_sim::engine::{Actor, Out};
@@ -21,6 +24,7 @@ use super::endpoint::{Endpoint, Live, NO_PRIORITY, Span, Stop, Ticker};
 use super::steering::Steered;
 use super::verdict::Judging;
 use super::watch::{LiveOptions, TELLING_S, Watch};
+use crate::devices::Seen;
 use crate::refused::{Refused, is_telling, wrong};
 use crate::{key_file::entropy, node::Node, start::AFTER_US};
 pub use report::{AxisReport, Forces, Ports, RemoteReport, Report, notice_texts};
@@ -28,9 +32,43 @@ pub use report::{AxisReport, Forces, Ports, RemoteReport, Report, notice_texts};
 /// How long a peer that refuses the other one, or whose device is gone, goes on, so that the other learns of it as well, µs.
 const LINGER_US: u64 = 500_000;
 
-struct LivePeer<const SHARED: usize, const N: usize> {
-    node: Node<SHARED, N, dyn Device<f32, N>>,
-    connect: SocketAddr,
+/// Which peer this is, and where the other one is.
+#[derive(Debug)]
+pub struct OneEnd {
+    /// 1 (left) or 2 (right).
+    pub number: u8,
+    /// The same at both ends.
+    pub key: Key,
+    /// Where the other one listens; none, and it calls here.
+    pub other: Option<SocketAddr>,
+}
+
+/// The other end: at its address, or where it has called from.
+#[derive(Default)]
+pub struct Other {
+    name: String,
+    at: Option<SocketAddr>,
+    path: Path<SocketAddr>,
+    /// The line to it is cut, both ways.
+    pub cut: bool,
+}
+
+impl Other {
+    /// Sends what the link says, which may answer a datagram from there.
+    fn say(&mut self, bytes: &[u8], answers: Option<SocketAddr>, out: &mut Out<'_, SocketAddr, [u8]>) {
+        let to = self.at.or_else(|| self.path.of(bytes, answers));
+        if let Some(to) = to.filter(|_| !self.cut) {
+            out(to, bytes);
+        }
+    }
+}
+
+/// One peer that shares the object along `SHARED` axes of its device of `N`.
+pub struct LivePeer<const SHARED: usize, const N: usize> {
+    /// The peer, its device and its link.
+    pub node: Node<SHARED, N, dyn Device<f32, N>>,
+    /// The other end.
+    pub other: Other,
     patience_s: f64,
     /// A tick, s.
     period_s: f64,
@@ -51,9 +89,16 @@ struct LivePeer<const SHARED: usize, const N: usize> {
     gone_us: Option<u64>,
     /// For so long now, µs.
     now_us: u64,
-    watch: Watch,
+    /// Its recording, and what it says.
+    pub watch: Watch,
     /// Whether it may arm.
-    judging: Option<Judging>,
+    pub judging: Option<Judging>,
+    /// Position of the other copy minus that of this one when the other end reported it last, m.
+    pub offset_m: f64,
+    /// A verdict or a path is new; who has taken note of it sets this back.
+    pub has_news: bool,
+    /// What is seen of a device that is not the scene's.
+    device: Option<Seen>,
     /// Since when it may not, if it has never been armed, µs.
     refused_us: Option<u64>,
     /// How long it waits then, s.
@@ -66,12 +111,87 @@ struct LivePeer<const SHARED: usize, const N: usize> {
     wanted_us: Option<u64>,
 }
 
+impl<const SHARED: usize, const N: usize> LivePeer<SHARED, N>
+where
+    f32: Builds<SHARED, N>,
+{
+    /// Calls the other one, or waits for it, over this endpoint. Its device is opened last, and from here on read at every tick.
+    ///
+    /// # Errors
+    /// A scene that cannot be built or recorded, or a device that does not open.
+    pub fn open(
+        scene: &Scene,
+        OneEnd { number, key, other }: OneEnd,
+        endpoint: &Endpoint,
+        Span { duration_s, patience_s }: Span,
+        wanted: &LiveOptions,
+    ) -> Result<Self, crate::Error> {
+        let entropy = entropy()?;
+        let period_s = scene.peer.timing.control_period_s;
+        let ticks = (duration_s / period_s).round() as u64;
+        // What has no end has no last half.
+        let measured = if duration_s.is_finite() { ticks } else { 0 };
+        let name = other.map_or_else(|| "the other end".to_owned(), |at| at.to_string());
+        let other = Other { name, at: other, ..Other::default() };
+        let judging = wanted.judge.as_ref().map(|judge| Judging::start(judge, period_s)).transpose()?;
+        let length = (measured, endpoint.road());
+        let watch = Watch::new(wanted, scene, number, endpoint.start(), other.name.clone(), length)?;
+        let (opened, device) = wanted.device.open(scene, number)?;
+        let judging = judging.map(|judging| judging.of_device(device.clone()));
+        let node =
+            Node::with_device(scene, number, key, entropy, opened)?.telling_every(TELLING_S).beginning_after(AFTER_US);
+        Ok(Self {
+            judging,
+            offset_m: 0.0,
+            has_news: false,
+            device,
+            refused_us: None,
+            duration_s,
+            watch,
+            reported_tick: None,
+            steering: wanted.steering.clone().map(Steered::new),
+            wanted_us: Some(0),
+            node,
+            other,
+            patience_s,
+            period_s,
+            ticks,
+            halves: [LastHalf::new(measured); SHARED],
+            whole: LastHalf::new(measured),
+            ports: [ObjectPort::new(period_s, scene.peer.coordination.stiffness_n_per_m); SHARED],
+            refusal: None,
+            impossible: Refused::default(),
+            differs: None,
+            gone_us: None,
+            now_us: 0,
+        })
+    }
+}
+
 impl<const SHARED: usize, const N: usize> LivePeer<SHARED, N> {
+    /// Where the hand is that somebody steers, m, if it holds the device, and its force on that in the last tick, N, along each shared axis.
+    pub fn hand(&self) -> (Option<[f64; SHARED]>, [f64; SHARED]) {
+        self.steering.as_ref().map_or((None, [0.0; SHARED]), |steered| (steered.hand.holds(), steered.pulled_n))
+    }
+
+    /// Energy that its coordination took in and neither gave out nor stores, J, along all axes; below 0 it has generated energy.
+    pub fn kept_j(&self) -> f64 {
+        self.energies().map(|(port, energy)| port.balance_j - energy.stored_j).sum()
+    }
+
+    fn energies(&self) -> impl Iterator<Item = (&ObjectPort, PortEnergy)> {
+        self.ports.iter().zip(self.node.peer.ledger()).map(|(port, booked)| {
+            let [received_j, sent_j] = [booked.received_j(), booked.sent_j()].map(f64::from);
+            (port, port.with_network(received_j, sent_j))
+        })
+    }
+
     /// Keeps the motors off until the verdict, and whoever steers, let them be armed. Once they are, no verdict turns them off.
     fn heed(&mut self) {
         let held = self.steer();
         if let Some(words) = self.judging.as_mut().and_then(|judging| judging.heed(self.now_us, &mut self.node, held)) {
             self.watch.teller.words(words);
+            self.has_news = true;
         }
         let mode = self.node.peer.mode();
         let unjudged = self.judging.is_none() && mode == Mode::Disarmed && self.node.is_halted() != held;
@@ -92,16 +212,22 @@ impl<const SHARED: usize, const N: usize> LivePeer<SHARED, N> {
     }
 
     fn differs_in(&self, table: &str) -> String {
-        format!("{} was told other parameters: table [{table}] of the scene differs", self.connect)
+        format!("{} was told other parameters: table [{table}] of the scene differs", self.other.name)
     }
 }
 
 impl<const SHARED: usize, const N: usize> Actor<SocketAddr> for LivePeer<SHARED, N> {
     type Packet = [u8];
 
-    fn hear(&mut self, now_ns: u64, from: SocketAddr, datagram: &mut [u8], _: &mut Out<'_, SocketAddr, [u8]>) {
+    fn hear(&mut self, now_ns: u64, from: SocketAddr, datagram: &mut [u8], out: &mut Out<'_, SocketAddr, [u8]>) {
+        if self.other.cut {
+            return;
+        }
+        let now_us = now_ns / 1_000;
+        let taken = self.node.receive(now_us, datagram);
+        self.other.path.heard(now_us, from, datagram, taken.is_ok(), &self.node.line.link);
         // What is refused is counted by the link, too.
-        match self.node.receive(now_ns / 1_000, datagram) {
+        match taken {
             Ok(flow) => {
                 let line = &self.node.line;
                 self.watch.heard(now_ns, line, flow.is_some());
@@ -110,9 +236,13 @@ impl<const SHARED: usize, const N: usize> Actor<SocketAddr> for LivePeer<SHARED,
                 }
                 let tick = line.heard.as_ref().map(|said| said.tick);
                 if let Some(said) = line.heard.as_ref().filter(|_| tick != self.reported_tick) {
-                    self.watch.said(said, line.link.sealed_us(), self.node.armed_ticks);
+                    let apart = self.watch.said(said, line.link.sealed_us(), self.node.armed_ticks);
+                    // Before both move and the clocks are known, the copies are where they are said to be.
+                    let now_m = || f64::from(said.object_position) - f64::from(self.node.observed().object.position);
+                    self.offset_m = apart.map_or_else(now_m, |apart| apart.offset_m);
                 }
                 self.reported_tick = tick;
+                self.node.line.link.say_due(now_us, |bytes| self.other.say(bytes, Some(from), out));
             }
             Err(why @ Error::Impossible(_)) => self.impossible.note(from, why),
             Err(why) if is_telling(&why) => self.refusal = Some((from, why)),
@@ -124,7 +254,7 @@ impl<const SHARED: usize, const N: usize> Actor<SocketAddr> for LivePeer<SHARED,
         self.now_us = now_ns / 1_000;
         self.heed();
         let node = &mut self.node;
-        let actuators = node.tick(self.now_us, |bytes| out(self.connect, bytes));
+        let actuators = node.tick(self.now_us, |bytes| self.other.say(bytes, None, out));
         if let (None, Some(gone)) = (self.gone_us, node.gone()) {
             self.gone_us = Some(self.now_us);
             self.watch.teller.words(format!("the motors are off: {gone}"));
@@ -146,7 +276,7 @@ impl<const SHARED: usize, const N: usize> Actor<SocketAddr> for LivePeer<SHARED,
             let wall_n = node.wall_n();
             self.whole.see(tick, [decoded_m, wall_n, wall_n * wall_n]);
         }
-        self.watch.ticked(now_ns, node, self.judging.as_ref());
+        self.has_news |= self.watch.ticked(now_ns, node, self.judging.as_ref());
         if let Some(Steered { steering, .. }) = &self.steering {
             let forces = if actuators.enable { actuators.forces } else { [0.0; N] };
             steering.leave(now_ns, (&*node, forces), (self.watch.newest.as_ref(), self.judging.as_ref()));
@@ -172,7 +302,7 @@ impl<const SHARED: usize, const N: usize> Live for LivePeer<SHARED, N> {
     }
 
     fn missing(&self) -> Option<String> {
-        let Self { connect, patience_s, .. } = self;
+        let (other, patience_s) = (&self.other.name, self.patience_s);
         if let Some((table, _)) = self.differs {
             return Some(self.differs_in(table));
         }
@@ -186,28 +316,28 @@ impl<const SHARED: usize, const N: usize> Live for LivePeer<SHARED, N> {
         let off = |said: &Telemetry| said.mode == 0;
         (!self.node.is_moving() && self.node.armed_ticks == 0).then(|| match self.node.line.link.is_up() {
             true if self.node.is_halted() => format!(
-                "{connect} is there, but what this scene is over so long a line was not known within {patience_s} s"
+                "{other} is there, but what this scene is over so long a line was not known within {patience_s} s"
             ),
             true if self.node.peer.mode() == Mode::Armed && self.node.line.heard.as_ref().is_some_and(off) => {
-                format!("{connect} is there, but did not arm within {patience_s} s: that end says why")
+                format!("{other} is there, but did not arm within {patience_s} s: that end says why")
             }
             true if self.node.peer.mode() == Mode::Armed => format!(
-                "{connect} is there, but not both ends of the line were live within {patience_s} s: a hub waits until all its lines are"
+                "{other} is there, but not both ends of the line were live within {patience_s} s: a hub waits until all its lines are"
             ),
             true => format!(
-                "{connect} is there, but sent no flow within {patience_s} s: a hub waits until all its peers are there"
+                "{other} is there, but sent no flow within {patience_s} s: a hub waits until all its peers are there"
             ),
             false => match &self.refusal {
                 Some((from, why)) => wrong(from, why),
                 None => {
-                    format!("nobody answered from {connect} within {patience_s} s: is it there, and does it send here?")
+                    format!("nobody answered from {other} within {patience_s} s: is it there, and does it send here?")
                 }
             },
         })
     }
 
     fn goodbye(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
-        self.node.goodbye(now_ns / 1_000, |bytes| out(self.connect, bytes));
+        self.node.goodbye(now_ns / 1_000, |bytes| self.other.say(bytes, None, out));
     }
 }
 
@@ -228,62 +358,30 @@ pub fn run(
 fn live<const SHARED: usize, const N: usize>(
     (scene, key, number): (&Scene, Key, u8),
     [listen, connect]: [SocketAddr; 2],
-    Span { duration_s, patience_s }: Span,
+    span: Span,
     wanted: &LiveOptions,
     stop: &Stop,
 ) -> Result<Report, crate::Error>
 where
     f32: Builds<SHARED, N>,
 {
-    // Before anything is opened that would have to be closed.
-    let entropy = entropy()?;
-    let period_s = scene.peer.timing.control_period_s;
-    let ticks = (duration_s / period_s).round() as u64;
-    // What has no end has no last half.
-    let measured = if duration_s.is_finite() { ticks } else { 0 };
     let endpoint = match &wanted.meeting {
         Some(meeting) => meeting.open(Some(listen), key.clone(), number - 1)?,
         None => Endpoint::polled(listen)?,
     };
     endpoint.reaches(connect)?;
-    // Last of what may take time: from here on the device is read at every tick.
-    let judging = wanted.judge.as_ref().map(|judge| Judging::start(judge, period_s)).transpose()?;
-    let watch = Watch::new(wanted, scene, number, endpoint.start(), connect.to_string(), (measured, endpoint.road()))?;
-    let (device, seen_device) = wanted.device.open(scene, number)?;
-    let judging = judging.map(|judging| judging.of_device(seen_device.clone()));
-    let node =
-        Node::with_device(scene, number, key, entropy, device)?.telling_every(TELLING_S).beginning_after(AFTER_US);
-    let mut peer = LivePeer {
-        judging,
-        refused_us: None,
-        duration_s,
-        watch,
-        reported_tick: None,
-        steering: wanted.steering.clone().map(Steered::new),
-        wanted_us: Some(0),
-        node,
-        connect,
-        patience_s,
-        period_s,
-        ticks,
-        halves: [LastHalf::new(measured); SHARED],
-        whole: LastHalf::new(measured),
-        ports: [ObjectPort::new(period_s, scene.peer.coordination.stiffness_n_per_m); SHARED],
-        refusal: None,
-        impossible: Refused::default(),
-        differs: None,
-        gone_us: None,
-        now_us: 0,
-    };
+    let end = OneEnd { number, key, other: Some(connect) };
+    let mut peer = LivePeer::<SHARED, N>::open(scene, end, &endpoint, span, wanted)?;
     if let Some(steering) = &wanted.steering {
         steering.begin();
     }
-    let ticker = Ticker::realtime(Duration::from_secs_f64(period_s));
+    let ticker = Ticker::realtime(Duration::from_secs_f64(peer.period_s));
     if !ticker.kept.realtime_priority {
         peer.watch.teller.words(NO_PRIORITY.to_owned());
     }
-    let punctuality = endpoint.run(ticker, patience_s, stop, &mut peer)?;
-    let LivePeer { node, halves, whole, ports, watch, judging, refused_us, .. } = peer;
+    let punctuality = endpoint.run(ticker, span.patience_s, stop, &mut peer)?;
+    let energy: PortEnergy = peer.energies().map(|(_, energy)| energy).sum();
+    let LivePeer { node, halves, whole, watch, judging, refused_us, device, .. } = peer;
     let (verdict, verdicts) = judging.map_or_else(Default::default, |judging| (judging.verdict, judging.said));
     let [decoded_m, wall, wall_squared] = whole.means();
     let along = |(axis, half): (&'static str, &LastHalf<4>)| {
@@ -293,9 +391,6 @@ where
         AxisReport { axis, decoded_discrepancy_mm: 1e3 * discrepancy_m, forces }
     };
     let axes: Vec<AxisReport> = AXIS_NAMES.into_iter().zip(&halves).map(along).collect();
-    let energies = ports.iter().zip(node.peer.ledger());
-    let energies = energies.map(|(port, booked)| port.with_network(booked.received_j().into(), booked.sent_j().into()));
-    let energy: PortEnergy = energies.sum();
     // What is in joules among a law's keys it may give before it has taken anything, along each axis.
     let starts = scene.law().keys.iter().filter(|key| key.unit == "J").map(|key| scene.peer.own(key));
     let start_j = SHARED as f64 * starts.sum::<f64>();
@@ -326,6 +421,6 @@ where
         datagrams_refused: counts.refused,
         path: endpoint.road().map(|road| road.report()),
         punctuality,
-        device: seen_device.and_then(|seen| seen.report()),
+        device: device.and_then(|seen| seen.report()),
     })
 }

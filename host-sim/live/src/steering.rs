@@ -20,7 +20,7 @@ use crate::tell::Second;
 use crate::verdict::{Judging, Verdict, state};
 
 /// What is wanted of a peer.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wanted {
     /// Its motors on, as soon as it may.
     pub armed: bool,
@@ -36,25 +36,20 @@ pub struct Wanted {
     pub clears: u64,
 }
 
-impl Wanted {
-    /// Armed, or not yet; nothing else.
-    pub fn new(armed: bool) -> Self {
-        Self { armed, clutch: false, pull_n: [0.0; AXES], hand_m: None, moves: 0, clears: 0 }
-    }
-}
-
 /// Who steers a peer, seen from its tick: what was wanted last, and the hand that is moved.
 pub(crate) struct Steered<const SHARED: usize> {
     pub(crate) steering: Arc<Steering>,
     wanted: Wanted,
-    hand: Hand<SHARED>,
+    pub(crate) hand: Hand<SHARED>,
+    /// Force of the hand in this tick, N.
+    pub(crate) pulled_n: [f64; SHARED],
     ticks: u64,
 }
 
 impl<const SHARED: usize> Steered<SHARED> {
     pub(crate) fn new(steering: Arc<Steering>) -> Self {
         let wanted = steering.wanted();
-        Self { steering, wanted, hand: Hand::default(), ticks: 0 }
+        Self { steering, wanted, hand: Hand::default(), pulled_n: [0.0; SHARED], ticks: 0 }
     }
 
     /// Does what is wanted in this tick, but for arming, and says what that is. The hand takes the device where that is when its motors go on,
@@ -75,8 +70,8 @@ impl<const SHARED: usize> Steered<SHARED> {
             let to = self.wanted.hand_m.map(|to| first(to, 0.0));
             self.hand.point(self.ticks, to, motions.map(|axis| axis.position));
         }
-        let pulled = self.hand.pull(self.ticks, motions, period_s);
-        let (pushed, pulled): ([f64; N], [f64; N]) = (first(self.wanted.pull_n, 0.0), first(pulled, 0.0));
+        self.pulled_n = self.hand.pull(self.ticks, motions, period_s);
+        let (pushed, pulled): ([f64; N], [f64; N]) = (first(self.wanted.pull_n, 0.0), first(self.pulled_n, 0.0));
         node.pull(std::array::from_fn(|axis| pushed[axis] + pulled[axis]));
         node.hold_clutch(self.wanted.clutch);
         if self.wanted.clears != before.clears {
@@ -124,7 +119,7 @@ pub struct Steering {
 impl Steering {
     /// Of a peer that is to arm as soon as it may, or to wait until it is told.
     pub fn new(armed: bool) -> Self {
-        Self { wanted: Mutex::new(Wanted::new(armed)), seen: Mutex::default() }
+        Self { wanted: Mutex::new(Wanted { armed, ..Wanted::default() }), seen: Mutex::default() }
     }
 
     /// The newest tick.

@@ -30,6 +30,8 @@ pub enum Manner {
     /// In words, on standard error.
     #[default]
     Words,
+    /// The same without the line of each second.
+    Events,
     /// As one JSON object each, on standard output.
     Json,
     /// Nothing at all is printed.
@@ -271,8 +273,9 @@ impl Limiter {
 fn say(lines: &Receiver<Line>, manner: Manner) {
     let mut limiter = Limiter::new(Instant::now());
     for line in lines {
-        if manner == Manner::Words {
+        if manner != Manner::Json {
             let (about_the_network, words) = match line {
+                Line::Second(_) if manner == Manner::Events => continue,
                 Line::Second(second) => (false, second.words()),
                 Line::Words { words } => (false, words),
                 Line::Notice { words, .. } => (true, words),

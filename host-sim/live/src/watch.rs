@@ -13,9 +13,9 @@ use cohold_sim::scene::Scene;
 use serde::Serialize;
 
 use super::devices::DeviceOptions;
-use super::discrepancy::{PositionHistory, Sum};
+use super::discrepancy::{Discrepancy, PositionHistory, Sum};
 use super::path_watch::PathWatch;
-use super::road::{Road, Roads};
+use super::road::{PathReport, Road, Roads};
 use super::steering::Steering;
 use super::tell::{Manner, PathSecond, Second, Teller};
 use super::verdict::{Judge, Judging, state};
@@ -128,6 +128,30 @@ pub fn channels(scene: &Scene, number: u8, meets: bool) -> Vec<Channel> {
     ticks::channels(&of, scene.peer.axis.shared as usize).into_iter().chain(paths).collect()
 }
 
+/// Whether what a peer hears is fresh. A law whose line counts its own time lives while its counter moves; another one while packets come.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Liveness {
+    counts_ticks: bool,
+    patience: u32,
+    silent: u32,
+    live_ticks: u32,
+}
+
+impl Liveness {
+    /// Of a peer that has heard nothing yet.
+    pub fn of(scene: &Scene) -> Self {
+        let (counts_ticks, patience) = (scene.law().own_time, scene.peer.timing.ticks_per_packet);
+        Self { counts_ticks, patience, silent: u32::MAX, live_ticks: 0 }
+    }
+
+    /// After a tick, in which it heard a packet or not and sent this count.
+    pub fn see(&mut self, heard: bool, live_ticks: u32) -> bool {
+        self.silent = if heard { 0 } else { self.silent.saturating_add(1) };
+        let moved = std::mem::replace(&mut self.live_ticks, live_ticks) != live_ticks;
+        if self.counts_ticks { moved } else { self.silent < self.patience }
+    }
+}
+
 /// Records and reports what a peer does.
 #[derive(Debug, Default)]
 pub struct Watch {
@@ -137,19 +161,18 @@ pub struct Watch {
     period_s: f64,
     /// Ticks of the experiment.
     ticks: u64,
-    counts_ticks: bool,
     /// Mode and fault that the log has said last.
     mode: [f64; 2],
-    patience: u32,
     clock: Watched,
     lives: u64,
     own: PositionHistory,
     of_second: Sum,
     of_half: Sum,
     of_all: Sum,
-    /// Ticks since the last packet, and how long the line has lived, in ticks.
-    silent: u32,
-    live_ticks: u32,
+    /// What it heard is fresh, or its line lives.
+    pub live: bool,
+    liveness: Liveness,
+    has_flow: bool,
     /// Ticks of this second, and those in which the line lived.
     of_this: [u32; 2],
     all_ticks: u64,
@@ -172,40 +195,37 @@ impl Watch {
     ) -> Result<Self, Error> {
         let channels = channels(scene, number, road.is_some());
         let recorder = wanted.recorder(&who(number), start, channels)?.map(Arc::new);
-        let axes = scene.peer.axis.shared as usize;
-        let paths = road.map(PathWatch::new).map(|paths| match &recorder {
-            Some(recorder) => paths.recording(Arc::clone(recorder), ticks::paths(axes)),
-            None => paths,
-        });
-        Ok(Self { partner, ticks, paths, ..Self::of(recorder, scene, wanted.manner) })
-    }
-
-    /// Of a peer whose rows go into a recording whose first channels are [`channels`], on the clock of its endpoint; nothing is said, and paths
-    /// are not looked at ([`PathWatch`]).
-    pub fn recording(recorder: Arc<Recorder>, scene: &Scene) -> Self {
-        Self::of(Some(recorder), scene, Manner::Quiet)
-    }
-
-    fn of(recorder: Option<Arc<Recorder>>, scene: &Scene, manner: Manner) -> Self {
-        let timing = &scene.peer.timing;
-        let mut teller = Teller::new(manner);
-        teller.log = recorder.clone();
-        Self {
-            recorder,
-            teller,
-            period_s: timing.control_period_s,
-            counts_ticks: scene.law().own_time,
-            patience: timing.ticks_per_packet,
-            silent: u32::MAX,
+        let mut watch = Self {
+            partner,
+            ticks,
+            paths: road.map(PathWatch::new),
+            teller: Teller::new(wanted.manner),
+            period_s: scene.peer.timing.control_period_s,
+            liveness: Liveness::of(scene),
             ..Self::default()
+        };
+        if let Some(recorder) = recorder {
+            watch.record_into(recorder, scene);
         }
+        Ok(watch)
+    }
+
+    /// Records from now on into a recording whose first channels are [`channels`], on the clock of the peer's endpoint.
+    pub fn record_into(&mut self, recorder: Arc<Recorder>, scene: &Scene) {
+        let channel = ticks::paths(scene.peer.axis.shared as usize);
+        self.paths = self.paths.take().map(|paths| paths.recording(Arc::clone(&recorder), channel));
+        self.teller.log = Some(Arc::clone(&recorder));
+        self.recorder = Some(recorder);
+    }
+
+    /// What the paths of a carried line are like.
+    pub fn paths(&self) -> Option<PathReport> {
+        self.paths.as_ref().map(PathWatch::report)
     }
 
     /// A datagram was taken; whether it brought flow.
     pub fn heard<const SHARED: usize>(&mut self, now_ns: u64, line: &Line<SHARED>, flow: bool) {
-        if flow {
-            self.silent = 0;
-        }
+        self.has_flow |= flow;
         if line.lives != self.lives {
             self.lives = line.lives;
             self.clock.forget();
@@ -218,14 +238,15 @@ impl Watch {
         }
     }
 
-    /// The other end has sent its telemetry.
-    pub fn said(&mut self, said: &Telemetry, sealed_us: u64, armed_ticks: u64) {
-        let Some(discrepancy) = self.own.discrepancy(said, sealed_us, self.period_s, &self.clock) else { return };
+    /// The other end has sent its telemetry: how far its copy was from this one, if both moved and the clocks are known.
+    pub fn said(&mut self, said: &Telemetry, sealed_us: u64, armed_ticks: u64) -> Option<Discrepancy> {
+        let discrepancy = self.own.discrepancy(said, sealed_us, self.period_s, &self.clock)?;
         self.of_second.add(discrepancy);
         self.of_all.add(discrepancy);
         if armed_ticks >= self.ticks / 2 {
             self.of_half.add(discrepancy);
         }
+        Some(discrepancy)
     }
 
     fn record(&self, channel: u16, time_ns: u64, values: &[f64]) {
@@ -234,17 +255,16 @@ impl Watch {
         }
     }
 
-    /// A tick is over.
+    /// A tick is over; whether the line's path has changed.
     pub fn ticked<const SHARED: usize, const N: usize, D: Device<f32, N> + ?Sized>(
         &mut self,
         now_ns: u64,
         node: &Node<SHARED, N, D>,
         judging: Option<&Judging>,
-    ) {
+    ) -> bool {
         // All axes count the same.
-        let live_ticks = node.peer.outgoing()[0].live_ticks;
-        let live = if self.counts_ticks { live_ticks != self.live_ticks } else { self.silent < self.patience };
-        (self.live_ticks, self.silent) = (live_ticks, self.silent.saturating_add(1));
+        let live = self.liveness.see(std::mem::take(&mut self.has_flow), node.peer.outgoing()[0].live_ticks);
+        self.live = live;
         let mode = node.peer.mode();
         let mut peer = OfPeer::new(self.all_ticks, mode);
         [peer.mode, peer.fault] = node.mode_and_fault();
@@ -270,12 +290,11 @@ impl Watch {
             self.teller.notice(*time_us, "", notice);
         }
         self.reported = line.noticed;
-        if let Some(paths) = &self.paths {
-            paths.look(now_ns, &self.teller);
-        }
+        let path_changed = self.paths.as_ref().is_some_and(|paths| paths.look(now_ns, &self.teller));
         if f64::from(self.of_this[0]) * self.period_s >= 1.0 {
             self.second(now_ns, node, judging);
         }
+        path_changed
     }
 
     fn second<const SHARED: usize, const N: usize, D: Device<f32, N> + ?Sized>(

@@ -1,4 +1,4 @@
-"""Networked haptics: scenes, runs, stability and sweeps, computed by the code that flies (docs/python.md).
+"""Networked haptics: scenes, runs, stability and sweeps, computed by the code that flies (docs/guides/python.md).
 
 Columns and figures of merit carry their unit at the end of their name: `_m`, `_mm`, `_n`, `_j`, `_s`.
 """

@@ -447,7 +447,7 @@ class Journal:
 _Numbers = Sequence[float] | NDArray[Any]
 
 class _Device(Protocol):
-    """A slow device in Python: asked 200 times a second at most, in a thread of its own (docs/python.md).
+    """A slow device in Python: asked 200 times a second at most, in a thread of its own (docs/guides/python.md).
 
     `read` gives where the hand is along each axis (m), or that and how fast it moves (m/s). Beside it may be `axes` (1 without it), `name`,
     `max_force_n`, `workspace_m` (of each axis), and `is_homed`; without `lets_go_s`, how long it holds a force after the last `write`, or
@@ -521,7 +521,7 @@ class LivePeer:
 
     `scene` is a Scene, the name of a built-in one, a file, or a dict of settings over the recommended scene; `number` 1 (left) or 2
     (right); `listen` and `connect` are where this end and the other one are, `key` is the key file that both have (`generate_key`).
-    `device` is what `--device` takes, or an object with `read` and `write` (docs/python.md); what else is told of it has the names of the
+    `device` is what `--device` takes, or an object with `read` and `write` (docs/guides/python.md); what else is told of it has the names of the
     command's flags, as device_axes. Without `seconds` it goes on until it is stopped, and the means of its report are of the whole run.
     With `arm=False` it waits for `arm()`. What ends the object lets go.
 
@@ -605,7 +605,7 @@ def generate_key(file: _Path) -> None:
     """Makes a new key file for two peers; an existing file is left alone. Copy it to the other end over a way that you trust."""
 
 class _Law(Protocol):
-    """A coordination law in Python: what it is told are tuples of floats, and what it answers are numbers (docs/python.md)."""
+    """A coordination law in Python: what it is told are tuples of floats, and what it answers are numbers (docs/guides/python.md)."""
 
     @property
     def name(self) -> str: ...

@@ -1,4 +1,4 @@
-"""A sweep on the workers of a Dask cluster: a laptop's processes, machines by SSH, or a batch system's jobs (docs/cluster.md).
+"""A sweep on the workers of a Dask cluster: a laptop's processes, machines by SSH, or a batch system's jobs (docs/guides/sweeps.md).
 
 Workers keep nothing: each gets a few runs and sends their rows back, and this process alone writes them to the folder. So a worker may
 die or come at any time, and the runs that a dead one had are done by others.

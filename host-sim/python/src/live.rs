@@ -82,7 +82,7 @@ impl LiveState {
 ///
 /// `scene` is a Scene, the name of a built-in one, a file, or a dict of settings over the recommended scene; `number` 1 (left) or 2
 /// (right); `listen` and `connect` are where this end and the other one are, `key` is the key file that both have (`generate_key`).
-/// `device` is what `--device` takes, or an object with `read` and `write` (docs/python.md); what else is told of it has the names of the
+/// `device` is what `--device` takes, or an object with `read` and `write` (docs/guides/python.md); what else is told of it has the names of the
 /// command's flags, as device_axes. Without `seconds` it goes on until it is stopped, and the means of its report are of the whole run.
 /// With `arm=False` it waits for `arm()`. What ends the object lets go.
 ///

@@ -359,7 +359,7 @@ def test_a_law_in_python_is_not_asked_in_a_tick(line):
 
 
 def blocks():
-    page = (pathlib.Path(__file__).parents[3] / "docs/python.md").read_text()
+    page = (pathlib.Path(__file__).parents[3] / "docs/guides/python.md").read_text()
     return [block.split("```")[0] for block in page.split("```python\n")[1:]]
 
 

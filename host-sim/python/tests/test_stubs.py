@@ -17,8 +17,8 @@ def test_stubs_are_the_modules_own():
 
 
 def test_the_pages_law_passes_mypy(tmp_path):
-    """What a reader copies from docs/python.md, each method given its types or none."""
-    page = (pathlib.Path(__file__).parents[3] / "docs/python.md").read_text()
+    """What a reader copies from docs/guides/python.md, each method given its types or none."""
+    page = (pathlib.Path(__file__).parents[3] / "docs/guides/python.md").read_text()
     (law,) = [block for block in page.split("```python\n") if "cohold.add_law(" in block.split("```")[0]]
     file = tmp_path / "law.py"
     file.write_text("import cohold\n\n" + law.split("```")[0])

@@ -13,7 +13,7 @@ use cohold_core::device::probe::{Outcome, Probe};
 use cohold_core::law::bounds::Bounds;
 use cohold_core::law::{AnyLaw, Law, Packet};
 use cohold_core::num::{Configured, Fixed, Motion, Scalar, StateVector};
-use cohold_core::peer::{Actuators, Observed, Peer, Sensors};
+use cohold_core::peer::{Actuators, Arrived, Observed, Peer, Sensors};
 use cohold_core::safety::{Command, Mode};
 use cohold_core::settings::{LawInfo, Refused, Settings};
 use cohold_core::{contact::Impacts, device::AXES, law::ledger::Ledger, schema::Schema};
@@ -103,6 +103,8 @@ dyn_peer! {
     fn packet_due(self: &Self) -> bool;
     /// Carries out an operator's command.
     fn command(self: &mut Self, command: Command);
+    /// Takes what has come since the last tick.
+    fn arrive(self: &mut Self, arrived: Arrived<'_, S, SHARED>);
     /// Reports that packets of the other peer come but are too old to be used.
     fn delayed(self: &mut Self);
     /// Disengages from the other peer until a packet comes.

@@ -188,13 +188,20 @@ impl Scene {
         let mut table: toml::Table = text.parse().map_err(wrong)?;
         // What made a file of results stands in its scene file too, and changes nothing.
         table.remove("made");
-        self.apply_table(
-            "",
-            &table,
-            DeTable::parse(text).map_err(wrong)?.get_ref(),
-            &|at| line(place, text, at),
-            folder,
-        )
+        let written = DeTable::parse(text).map_err(wrong)?;
+        if let Some(base) = table.remove("base") {
+            let at = written.get_ref().get_key_value("base").map_or(0, |(name, _)| name.span().start);
+            self.apply_base(&base).map_err(|cause| Error::at(line(place, text, at), cause))?;
+        }
+        self.apply_table("", &table, written.get_ref(), &|at| line(place, text, at), folder)
+    }
+
+    /// Applies the built-in scene of this name, from which a file differs.
+    fn apply_base(&mut self, base: &toml::Value) -> Result<(), Error> {
+        let allowed = || Error::not_allowed(format!("base = {base}"), "it must be the name of a built-in scene");
+        let name = base.as_str().ok_or_else(allowed)?;
+        let text = crate::scenes::text(name).ok_or_else(|| crate::scenes::unknown(name))?;
+        self.apply(text, name, None)
     }
 
     /// Applies a table whose text is where `written` says; `line` makes of a byte of the text a place to name.
@@ -224,7 +231,7 @@ impl Scene {
     pub fn apply_override(&mut self, text: &str) -> Result<(), Error> {
         let (key, value) = text.split_once('=').ok_or_else(|| Error::at(text, "write it as table.key=value"))?;
         let (key, value) = (key.trim(), value.trim());
-        self.set(key, &value_of(value), "override", None)
+        self.set(key, &value_of(value), "--set", None)
     }
 
     /// Sets one key to a number, as a sweep does.

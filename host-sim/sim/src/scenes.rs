@@ -79,7 +79,7 @@ pub fn find(laws: Laws, scene: Option<&Path>, overrides: &[String]) -> Result<Sc
     }
 }
 
-fn unknown(word: &str) -> Error {
+pub(crate) fn unknown(word: &str) -> Error {
     let names = || known().map(|(name, _)| *name);
     let hint = match nearest(word, names()) {
         Some(name) => format!("did you mean {name}?"),

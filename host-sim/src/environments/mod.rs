@@ -26,7 +26,7 @@ cohold_cli::commands! {
 cohold_cli::commands! {
     /// Beside the heart's.
     pub(crate) Environments {
-        /// The shared environments of the architectures paper: one engine, taking turns, a game, a world to visit.
+        /// Run the architectures paper's shared environments, or a hub for up to 16 peers.
         #[command(subcommand)]
         Shared(Shared),
     }

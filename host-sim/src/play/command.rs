@@ -32,7 +32,7 @@ const MEASURED_S: f64 = 10.0;
 cohold_cli::commands! {
     /// Beside the heart's.
     pub(crate) PageCommands {
-        /// Hold it yourself: one object, two people in two browser windows or one and a partner, in real time on a page of this machine.
+        /// Hold the object yourself, on a page in your browser.
         #[command(display_order = 1)]
         Play(Play),
     }
@@ -122,7 +122,7 @@ impl Play {
             Shown::Remote(end) => {
                 let hand = end.has_the_pages_hand().then_some(HAND);
                 let judge = judge(scene.clone(), end.number, hand, allowed(self.anyway));
-                Shown::Remote(Box::new(end.with_judge(judge)))
+                Shown::Remote(Box::new(End { judge: Some(judge), ..*end }))
             }
             other => other,
         };
@@ -203,7 +203,7 @@ impl Play {
         }
         let own = self.key_file.as_deref().zip(self.number);
         if let Some(Met { number, key, road, code }) = ui.meeting.agree(ui, stop, own)? {
-            return Ok(Shown::Remote(Box::new(End::meeting(&*road, key, number, code)?.with_device(device))));
+            return Ok(Shown::Remote(Box::new(End { device, ..End::meeting(&*road, key, number, code)? })));
         }
         if !self.board.is_empty() {
             return Ok(Shown::Boards(Boards::open(self.places()?)?));
@@ -215,7 +215,7 @@ impl Play {
             (None, Some(to)) => End::joining(to, key, self.number.unwrap_or(2))?,
             (None, None) => return Err("--key-file is for --listen or --join: give one of them".into()),
         };
-        Ok(Shown::Remote(Box::new(end.with_device(device))))
+        Ok(Shown::Remote(Box::new(End { device, ..end })))
     }
 
     /// Where the boards are.

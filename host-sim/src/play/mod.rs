@@ -23,7 +23,7 @@
 //! | [`control_loop`] | 1 kHz by the clock |
 //! | [`roles`], [`connections`] | who may do what, and how many are let in |
 //! | [`messages`] | what a window says, read |
-//! | [`doors`], [`cohold_cli::qr`] | this machine, and a local network where that is asked for, with a code to scan |
+//! | [`doors`], [`cohold_homes::qr`] | this machine, and a local network where that is asked for, with a code to scan |
 //! | [`web`] | the page's files, and a WebSocket for each window |
 //! | [`page`] | all of that together |
 //! | [`measure`] | how well the control loop keeps time with ten pages open |
@@ -42,6 +42,7 @@ mod environment;
 mod hub;
 mod judge;
 mod kinds;
+mod line_words;
 mod mailbox;
 mod measure;
 mod messages;

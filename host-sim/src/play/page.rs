@@ -28,7 +28,7 @@ use super::remote::{End, Remote};
 use super::roles::Role;
 use super::web::{Site, hello};
 use cohold_cli::Failure;
-use cohold_cli::qr::Code;
+use cohold_homes::qr::Code;
 
 /// What a page shows.
 pub(crate) enum Shown {
@@ -158,7 +158,7 @@ impl Page {
 
     /// The QR code of a hand's address on the local network, line by line.
     pub(crate) fn code(&self) -> Option<Vec<String>> {
-        self.code.as_ref().map(|code| code.lines().collect())
+        self.code.as_ref().map(Code::lines)
     }
 
     /// Runs the control loop until it is stopped, or so many seconds are over: on a thread of its own, for what a

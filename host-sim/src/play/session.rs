@@ -26,6 +26,7 @@ use super::pair_columns::sample;
 use super::partner::{Model, Partner};
 use cohold_cli::Failure;
 use cohold_live::hand::Hand;
+use cohold_live::watch::Liveness;
 
 /// Farthest that a device goes from the middle, m.
 pub(crate) const REACH_M: f64 = 0.12;
@@ -39,34 +40,20 @@ pub(super) const PERIOD_S: f64 = 0.001;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side<const SHARED: usize> {
     ports: [ObjectPort; SHARED],
-    /// Packets heard, and ticks that the line has lived.
+    /// Packets heard.
     heard: u64,
-    live_ticks: u32,
-    /// Ticks since the last packet.
-    silent: u32,
-    /// Such a peer's line counts its own time, and lives while its counter moves; another's while packets come this soon, ticks.
-    counts: bool,
-    patience: u32,
-}
-
-/// What a tick of one peer comes to.
-pub(super) struct TickOutcome {
-    /// Energy sent and not received, and kept, J.
-    pub(super) sent_j: f64,
-    pub(super) kept_j: f64,
-    /// 1 while what it hears is fresh, or its line lives.
-    pub(super) live: f32,
+    liveness: Liveness,
 }
 
 impl<const SHARED: usize> Side<SHARED> {
     pub(super) fn new(scene: &Scene) -> Self {
         let port = ObjectPort::new(PERIOD_S, scene.peer.coordination.stiffness_n_per_m);
-        let (counts, patience) = (scene.law().own_time, scene.peer.timing.ticks_per_packet);
-        Self { ports: [port; SHARED], heard: 0, live_ticks: 0, silent: 0, counts, patience }
+        Self { ports: [port; SHARED], heard: 0, liveness: Liveness::of(scene) }
     }
 
-    /// After a tick of this peer, which has heard so many packets.
-    pub(super) fn see<const N: usize>(&mut self, peer: &dyn DynPeer<f32, SHARED, N>, heard: u64) -> TickOutcome {
+    /// After a tick of this peer, which has heard so many packets: energy sent and not received, and kept, J; and 1 while what it hears is
+    /// fresh.
+    pub(super) fn see<const N: usize>(&mut self, peer: &dyn DynPeer<f32, SHARED, N>, heard: u64) -> (f64, f64, f32) {
         let (mut sent_j, mut kept_j) = (0.0, 0.0);
         for ((port, seen), ledger) in self.ports.iter_mut().zip(peer.observed()).zip(peer.ledger()) {
             let [received, sent] = [ledger.received_j(), ledger.sent_j()].map(f64::from);
@@ -74,11 +61,9 @@ impl<const SHARED: usize> Side<SHARED> {
             sent_j += sent - received;
             kept_j += port.balance_j - port.with_network(received, sent).stored_j;
         }
-        let live_ticks = peer.outgoing()[0].live_ticks;
-        self.silent = if heard == self.heard { self.silent.saturating_add(1) } else { 0 };
-        let live = if self.counts { live_ticks != self.live_ticks } else { self.silent < self.patience };
-        (self.heard, self.live_ticks) = (heard, live_ticks);
-        TickOutcome { sent_j, kept_j, live: f32::from(u8::from(live)) }
+        let heard_now = std::mem::replace(&mut self.heard, heard) != heard;
+        let live = self.liveness.see(heard_now, peer.outgoing()[0].live_ticks);
+        (sent_j, kept_j, f32::from(u8::from(live)))
     }
 }
 
@@ -210,9 +195,8 @@ where
                 from_fn(|index| self.user_force(index, axis, devices[index][axis])),
             ]
         };
-        let ((one, delay_1), (two, delay_2)) = (one, two);
-        let line = (one.sent_j + two.sent_j) as f32;
-        let rest = [line, one.kept_j as f32, two.kept_j as f32, delay_1, delay_2, one.live, two.live];
+        let (((sent_1, kept_1, live_1), delay_1), ((sent_2, kept_2, live_2), delay_2)) = (one, two);
+        let rest = [(sent_1 + sent_2) as f32, kept_1 as f32, kept_2 as f32, delay_1, delay_2, live_1, live_2];
         sample(from_fn::<_, SHARED, _>(axis), rest, self.restarts)
     }
 }

@@ -58,7 +58,7 @@ use super::orders::CLICKS;
 use super::partner::Model;
 use super::roles::{Keys, Rights, Role};
 use super::session::{PERIOD_S, REACH_M};
-use cohold_cli::qr::Code;
+use cohold_homes::qr::Code;
 use cohold_live::hand;
 
 pub(super) const FILES: &[(&str, &str, &str)] = &[

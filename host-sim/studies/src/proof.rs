@@ -70,10 +70,10 @@ pub fn report(table: &Columns) -> String {
     )
 }
 
-/// The proofs as a section of docs/laws.md.
+/// The proofs as a section of docs/results/laws.md.
 pub fn section(report: &str) -> String {
     format!(
-        "What `cohold stability prove --page docs/laws.md` prints; every test run proves the same again (`host-sim/proof/tests/suite/laws.rs`):\n\n\
+        "`cohold stability prove --page docs/results/laws.md` writes this table, and each test run proves it again:\n\n\
          ```text\n{report}\n```"
     )
 }

@@ -1,4 +1,4 @@
-//! The lines of docs/devices.md as they stand there, with addresses that are free.
+//! The lines of docs/guides/devices/index.md as they stand there, with addresses that are free.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use super::emulated::haply;
 use super::{Running, number};
 use crate::program::{cohold, free};
 
-const PAGE: &str = include_str!("../../../docs/devices.md");
+const PAGE: &str = include_str!("../../../docs/guides/devices/index.md");
 
 /// What stands below this heading, up to the next one.
 fn section(heading: &str) -> &'static str {

@@ -6,7 +6,7 @@ use std::process::Command;
 use super::peers::COHOLD;
 
 fn read(name: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("meeting").join(name);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("guests/homes").join(name);
     std::fs::read_to_string(&path).unwrap_or_else(|cause| panic!("{}: {cause}", path.display()))
 }
 

@@ -1,4 +1,4 @@
-//! The recipes of docs/networks.md that measure a network with irtt or ping, as they are printed there, between this machine and itself and
+//! The recipes of docs/guides/own-network.md that measure a network with irtt or ping, as they are printed there, between this machine and itself and
 //! for a shorter time. The programs are Debian's; `cargo xtask test --only homes` installs them.
 
 use std::path::Path;
@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 use super::pages::folder;
 use super::peers::{COHOLD, Running};
 
-const PAGE: &str = include_str!("../../../docs/networks.md");
+const PAGE: &str = include_str!("../../../docs/guides/own-network.md");
 /// What is printed, and what is run instead.
 const HERE: [(&str, &str); 4] =
     [("ADDRESS", "127.0.0.1"), ("-i 1ms", "-i 1ms -b 127.0.0.1:2112"), ("-d 5m", "-d 2s"), ("-c 30000", "-c 300")];

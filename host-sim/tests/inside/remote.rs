@@ -102,7 +102,7 @@ fn other_settings_are_refused() {
         until(&mut ends, [None; 2], |_| true);
     }
     assert_eq!(ends[0].standing().modes, [WAITS; 2]);
-    assert!(ends.iter().any(|end| end.node.line.link.refused().is_some()));
+    assert!(ends.iter().any(|end| end.peer.node.line.link.refused().is_some()));
 }
 
 /// In the plane hands hold one object along both axes; of the second each end knows what it believes of the other, and says no more.
@@ -178,7 +178,7 @@ fn judged_unstable(unless: Option<&'static str>) -> [One; 2] {
     let judge = Judge { find: Arc::new(verdict), unless };
     let listening = End::listening("127.0.0.1:0".parse().expect("an address"), key(), 1).expect("a socket");
     let joining = End::joining(listening.endpoint.address, key(), 2).expect("a socket");
-    [listening, joining].map(|end| One::new(scene(), end.with_judge(judge.clone())).expect("an end"))
+    [listening, joining].map(|end| One::new(scene(), End { judge: Some(judge.clone()), ..end }).expect("an end"))
 }
 
 /// Who shares a line over which the scene is unstable is told so, and stays off, whatever a person starts.
@@ -206,7 +206,7 @@ fn an_end_does_not_arm_where_its_scene_is_unstable_at_the_delays_measured() {
     ends[0].command(Command::Start).expect("it starts");
     for _ in 0..1000 {
         until(&mut ends, [Some(0.02), None], |_| true);
-        assert!(ends.iter().all(|end| end.node.armed_ticks == 0 && end.standing().modes[end.own] == WAITS));
+        assert!(ends.iter().all(|end| end.peer.node.armed_ticks == 0 && end.standing().modes[end.own] == WAITS));
     }
     let line = ends[0].line().expect("a line");
     assert!(line.path.is_none() && line.verdict.is_some_and(|verdict| verdict.stable == Some(false)));

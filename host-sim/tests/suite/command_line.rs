@@ -290,7 +290,8 @@ fn commands_are_listed() {
     // What is further in goes on with the line above.
     let begins = |line: &&str| line.starts_with("  ") && !line.starts_with("   ");
     let names: Vec<&str> = listed.filter(begins).filter_map(|line| line.split_whitespace().next()).collect();
-    let want = "paper cooperate play stability study accuracy peer devices recording key board network shared meet";
+    let want =
+        "paper cooperate play scene stability study accuracy peer devices recording key board network shared meet";
     assert_eq!(names.join(" "), want);
 }
 
@@ -355,11 +356,11 @@ fn an_unstable_scene_is_called_so_along_several_axes_too() {
     assert_eq!(two_axes["axes"].as_array().map(Vec::len), Some(2));
 }
 
-/// The two commands that docs/leader-follower.md begins with say one thing: copies 34 mm apart through a line of 160 ms are an object, as statics
+/// The two commands that docs/guides/leader-follower.md begins with say one thing: copies 34 mm apart through a line of 160 ms are an object, as statics
 /// have it, and the scene is stable.
 #[test]
 fn a_run_and_the_analyser_agree_on_leader_and_follower() {
-    let page = include_str!("../../../docs/leader-follower.md");
+    let page = include_str!("../../../docs/guides/leader-follower.md");
     let commands: Vec<&str> = page.lines().filter_map(|line| line.strip_prefix("    cohold ")).take(2).collect();
     let said = |command: &str| {
         let words: Vec<&str> = command.split_whitespace().collect();
@@ -392,13 +393,13 @@ const OF_STOP: [&str; 15] = [
     include_str!("../../src/play/site/stiff.js"),
 ];
 
-/// The sentences of Stop in docs/play.md are those of the sources, whole. Words in italics, in braces in a source, differ.
+/// The sentences of Stop in docs/guides/play.md are those of the sources, whole. Words in italics, in braces in a source, differ.
 #[test]
 fn every_sentence_of_stop_is_in_the_documentation() {
     const WORDS: &str =
         "stopped|confirmed|motors are o|board * are on|board * may be|motors off|motors run|has ended|press the stop";
     let unfilled = |text: &str, marks: &[char]| text.split(marks).step_by(2).collect::<Vec<_>>().join("*");
-    let (_, table) = include_str!("../../../docs/play.md").split_once("| sentence | where |").expect("a table");
+    let (_, table) = include_str!("../../../docs/guides/play.md").split_once("| sentence | where |").expect("a table");
     let rows = table.lines().skip(2).map_while(|row| row.strip_prefix("| ")?.split_once(" |"));
     let told: Vec<_> = rows.map(|(sentence, _)| unfilled(sentence, &['*'])).collect();
     let mut said = Vec::new();

@@ -613,7 +613,7 @@ fn a_leader_presses_on_the_followers_wall_in_another_process() {
     }
 }
 
-/// Ten minutes by the clock, pressed on in cycles of ten seconds: docs/leader-follower.md has what this prints.
+/// Ten minutes by the clock, pressed on in cycles of ten seconds: it is kept in docs/project/notes/live-measurements.md: what this prints.
 #[test]
 #[ignore = "ten minutes: cargo test -p cohold --test suite -- --ignored --nocapture ten_minutes"]
 fn ten_minutes_of_leader_and_follower_in_two_processes() {

@@ -1,4 +1,4 @@
-//! How stiff a contact may be at each rate of the tick, and what an encoder's steps make of it: the table of docs/hardware.md.
+//! How stiff a contact may be at each rate of the tick, and what an encoder's steps make of it: the table of docs/reference/board.md.
 
 use cohold_analysis::{Effort, Range, limit};
 use cohold_core::device::velocity::{AnyVelocity, VelocityName};
@@ -126,14 +126,14 @@ fn the_table_of_stiffness_against_rate() {
         let noise = noise.as_flattened().iter().map(|mm| format!(" {mm:.1} mm/s |")).collect::<String>();
         table += &format!("| {} ms |{stiff}{noise}\n", 1.0 / f64::from(per_ms));
     }
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/hardware.md");
-    let page = std::fs::read_to_string(path).expect("docs/hardware.md");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/reference/board.md");
+    let page = std::fs::read_to_string(path).expect("docs/reference/board.md");
     let (before, rest) =
         page.split_once("<!-- rates: written by host-sim/tests/suite/rates.rs -->\n").expect("its place");
     let (_, after) = rest.split_once("<!-- end of rates -->").expect("its end");
     let now = format!(
         "{before}<!-- rates: written by host-sim/tests/suite/rates.rs -->\n{table}<!-- end of rates -->{after}"
     );
-    is_documented("hardware.md", now.as_bytes());
+    is_documented("reference/board.md", now.as_bytes());
     is_documented("stiffness.svg", &picture(&rows));
 }

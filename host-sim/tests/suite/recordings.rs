@@ -70,7 +70,7 @@ fn in_process(settings: &[String], seconds: f64) -> f64 {
     let settings: Vec<String> = settings.iter().map(|one| one.trim_start_matches("--set=").to_owned()).collect();
     let scene = scenes::find(cohold_guest_laws::laws(), Some(Path::new("any-network")), &settings).expect("a scene");
     let seat = |number: u8| {
-        let node = Node::new(&scene, number, Key::new([0x5a; Key::LEN]), [number; Key::LEN]).expect("a scene");
+        let node = <Node>::build(&scene, number, Key::new([0x5a; Key::LEN]), [number; Key::LEN]).expect("a scene");
         // As often as live ends tell each other how they are.
         Seat::new(Sealed { node: node.telling_every(0.02), to: usize::from(number == 1) })
     };
@@ -257,7 +257,7 @@ fn both_peers_of_a_run_in_memory() {
     }
 }
 
-/// Issue 52, finding 9: of a run that faulted, rows and log say which fault came and when, and the tables have the types that docs/data.md says.
+/// Issue 52, finding 9: of a run that faulted, rows and log say which fault came and when, and the tables have the types that docs/reference/columns.md says.
 #[test]
 fn a_run_that_faults_says_so() {
     let keys = Keys::new("fault", 0);

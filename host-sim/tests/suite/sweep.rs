@@ -100,10 +100,10 @@ fn what_grows_when_let_go_is_said_beside_every_run() {
     assert_eq!(let_go, 5, "of {scenes:?}");
 }
 
-/// The commands of docs/data.md, with fewer runs: somebody pushes in each, so that there is something to measure, and their points differ.
+/// The commands of docs/guides/sweeps.md, with fewer runs: somebody pushes in each, so that there is something to measure, and their points differ.
 #[test]
 fn what_the_documentation_sweeps_moves() {
-    let page = include_str!("../../../docs/data.md");
+    let page = include_str!("../../../docs/guides/sweeps.md");
     let commands = page.lines().filter_map(|line| line.strip_prefix("    cohold "));
     let commands: Vec<&str> = commands.filter(|line| line.starts_with("study sweep ")).collect();
     assert_eq!(commands.len(), 2, "{commands:?}");

@@ -76,34 +76,9 @@ impl Firmware {
         Self::read(&path())
     }
 
-    /// The image for three axes under test, which lies beside it.
-    pub fn three_axes() -> Self {
-        Self::read(&path().with_file_name("firmware-three-axes"))
-    }
-
-    /// The image for a moteus under test, which lies beside it.
-    pub fn moteus() -> Self {
-        Self::read(&path().with_file_name("firmware-moteus"))
-    }
-
-    /// The image for encoders on SPI under test, which lies beside it.
-    pub fn spi_encoders() -> Self {
-        Self::read(&path().with_file_name("firmware-spi-encoders"))
-    }
-
-    /// The image that talks by USB, which lies beside it.
-    pub fn usb() -> Self {
-        Self::read(&path().with_file_name("firmware-usb"))
-    }
-
-    /// The image that computes in fixed point, which lies beside it.
-    pub fn fixed_point() -> Self {
-        Self::read(&path().with_file_name("firmware-fixed-point"))
-    }
-
-    /// The image for the NUCLEO-H753ZI, which lies beside it.
-    pub fn second_board() -> Self {
-        Self::read(&path().with_file_name("firmware-nucleo-h753zi"))
+    /// The image for these features, or this board, which is next to it: `three-axes`, for example.
+    pub fn with(features: &str) -> Self {
+        Self::read(&path().with_file_name(format!("firmware-{features}")))
     }
 
     /// The address of a function or static.

@@ -19,7 +19,7 @@
 //! | `memo` | boards that are booted once and forked |
 //! | `process` | processes that answer orders, and of which copies can be made: all that is unsafe |
 //! | [`power`] | power that goes while settings are saved |
-//! | [`docs`] | tables of docs/hardware.md that tests write |
+//! | [`docs`] | tables of docs/reference/board.md that tests write |
 //! | [`log`] | what a board logged |
 //! | [`image`] | the release image: built, found, its symbols |
 //! | [`rig`] | a board and the rig beside it (tests/rig), both virtual, wired pin to pin |

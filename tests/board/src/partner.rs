@@ -36,7 +36,7 @@ impl Partner {
     /// # Errors
     /// What cohold refuses.
     pub fn new(scene: &Scene, number: usize) -> Result<Self, Failure> {
-        let node = Node::new(scene, number as u8, peers_key(), [0x77; Key::LEN])?;
+        let node = <Node>::build(scene, number as u8, peers_key(), [0x77; Key::LEN])?;
         Ok(Self { node, number, out: Vec::new(), refused: 0, far: None })
     }
 

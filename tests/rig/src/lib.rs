@@ -1,5 +1,5 @@
 //! What two bare Nucleos and wires are to show on silicon: each test, its wires, what it drives and measures, its bound; who runs them;
-//! and docs/silicon.md, which is made of that.
+//! and docs/results/hardware.md, which is made of that.
 //!
 //! One board is under test, with the release image; the other, the rig, plays device, faults and logic analyser with the image in
 //! `src/image`. Nobody has run any of it on silicon yet: `cargo xtask rig --virtual` runs both images on virtual boards.

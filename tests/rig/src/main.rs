@@ -1,4 +1,4 @@
-//! `cargo xtask rig`: prints what each test would do, or with `--page` writes docs/silicon.md.
+//! `cargo xtask rig`: prints what each test would do, or with `--page` writes docs/results/hardware.md.
 
 use std::process::ExitCode;
 
@@ -21,7 +21,7 @@ fn main() -> ExitCode {
 /// The page of what was kept.
 fn write() -> Result<(), String> {
     let kept = concat!(env!("CARGO_MANIFEST_DIR"), "/silicon.txt");
-    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/silicon.md");
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/results/hardware.md");
     let text = std::fs::read_to_string(kept).map_err(|cause| format!("cannot read {kept}: {cause}"))?;
     let shown = shown::read(&text).map_err(|why| format!("{kept}: {why}"))?;
     std::fs::write(page, page::silicon(&shown)).map_err(|cause| format!("cannot write {page}: {cause}"))

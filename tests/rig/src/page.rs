@@ -1,11 +1,11 @@
-//! The list as text and docs/silicon.md.
+//! The list as text and docs/results/hardware.md.
 
 use std::fmt::Write;
 
 use crate::list::{TESTS, Test, Virtual, Wire};
 use crate::shown::Shown;
 
-/// What docs/silicon.md says: what has met silicon, when, with which image.
+/// What docs/results/hardware.md reports: which tests physical boards have passed, when, with which image.
 pub fn silicon(shown: &[Shown]) -> String {
     let passed = shown.iter().filter(|shown| shown.passed).count();
     let met = match shown.len() {
@@ -13,20 +13,22 @@ pub fn silicon(shown: &[Shown]) -> String {
         run => format!("**{run} of {} tests have run on two boards; {passed} passed.**", TESTS.len()),
     };
     let mut page = format!(
-        "# Silicon: what a physical board has shown\n\n\
-         {met} Each line below is a test for two bare NUCLEO-H743ZI2 and wires between\n\
-         them, without motors: one runs the release image, the other, the rig, plays device, faults and logic analyser with\n\
-         [an image of its own](../tests/rig/src/image/main.rs). `cargo xtask rig` prints the wires, and says how two boards on a table run the list (`--boards`): it\n\
-         flashes both, runs each test and keeps what came of it in [tests/rig/silicon.txt](../tests/rig/silicon.txt), from which and from\n\
-         [one list](../tests/rig/src/list.rs) `cargo xtask rig --page` writes this page. `cargo xtask rig --virtual` runs both images on virtual boards, wired pin to pin; the way to\n\
-         a table, serial port and sockets, carried one of the tests with these behind it ([table.rs](../tests/board/tests/boards/table.rs)); probe-rs and OpenOCD had no probe.\n\
-         `current-sensor-ends` and `sample-after-edge` have other wires at PA3 and PB1. On a table they run only if `--only` names them.\n\
-         What [hardware.md](hardware.md) says beyond these lines has no line here.\n\n\
-         | test | must be | as said in | the rig's image on virtual boards | nearest without it | silicon, when, image |\n|---|---|---|---|---|---|\n",
+        "# Shown on silicon\n\n\
+         {met}\n\n\
+         Each line is a statement about the [board](../reference/board.md) that two bare NUCLEO-H743ZI2 can test, without motors.\n\
+         One board runs the released firmware. The other plays its encoder, its faults and its stop, and measures the answer.\n\n\
+         ```sh\n\
+         cargo xtask rig                    # what each test does, and its wires\n\
+         cargo xtask rig --virtual          # on two virtual boards\n\
+         cargo xtask rig --boards DUT,RIG   # on two boards, by their probes\n\
+         ```\n\n\
+         `current-sensor-ends` and `sample-after-edge` need other wires at PA3 and PB1, so they run only with `--only`.\n\n\
+         **Limits.** A virtual board executes the released firmware, but its chip is a model. Its times count instructions, and its\n\
+         electrical behaviour comes from data sheets. A statement without a line here cannot be tested this way. No test includes a\n\
+         motor, or a hand at a device.\n\n\
+         | Test | Question | Passes if | On virtual boards | On two boards |\n|---|---|---|---|---|\n",
     );
-    for Test { name, bound, from, virtual_board, virtual_rig, .. } in TESTS {
-        let tried = virtual_board
-            .map_or_else(|| "nothing near".to_owned(), |file| format!("[{file}](../tests/board/tests/boards/{file})"));
+    for Test { name, question, bound, virtual_rig, .. } in TESTS {
         let virtually = match virtual_rig {
             Virtual::Runs(extent) => format!("passes: {extent}"),
             Virtual::Not(reason) => format!("not run: {reason}"),
@@ -37,7 +39,7 @@ pub fn silicon(shown: &[Shown]) -> String {
             format!("{verdict}, {}, {}: {}", shown.day, shown.image, shown.figures)
         });
         // A String takes all that is written.
-        let _ = writeln!(page, "| <a id=\"{name}\"></a>{name} | {bound} | {from} | {virtually} | {tried} | {met} |");
+        let _ = writeln!(page, "| <a id=\"{name}\"></a>{name} | {question} | {bound} | {virtually} | {met} |");
     }
     page
 }
@@ -49,12 +51,12 @@ pub fn plan() -> String {
          `cargo xtask rig --boards DUT,RIG` would do this.\n",
     );
     for test in TESTS {
-        let Test { name, drives, measures, bound, from, seconds, .. } = test;
+        let Test { name, drives, measures, question, bound, seconds, .. } = test;
         let wires: Vec<String> = test.wires.concat().iter().map(wire).collect();
         let wires = if wires.is_empty() { "none".to_owned() } else { wires.join(", ") };
         let _ = write!(
             plan,
-            "\n{name}, {seconds} s\n  wires     {wires}\n  drives    {drives}\n  measures  {measures}\n  must be   {bound} ({from})\n"
+            "\n{name}, {seconds} s: {question}\n  wires     {wires}\n  drives    {drives}\n  measures  {measures}\n  passes if {bound}\n"
         );
     }
     plan

@@ -296,7 +296,7 @@ fn a_thermistor_shows_from_where_the_force_falls_to_the_limit() {
     let mut settings = Settings::default();
     assert_eq!(Thermistor::build(&settings), None);
     settings.motor.thermistor = true;
-    // The example of docs/hardware.md.
+    // The example of docs/reference/board.md.
     assert_eq!(Thermistor::build(&settings).unwrap().code(divided(3950.0, 65.0)), 64 - 30);
     for (b_k, most_c) in [(3950.0, 80.0), (2500.0, 40.0), (2500.0, 125.0), (4500.0, 40.0), (4500.0, 125.0)] {
         (settings.motor.thermistor_b_k, settings.motor.max_temperature_c) = (b_k, most_c);

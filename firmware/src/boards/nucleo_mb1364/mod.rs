@@ -2,7 +2,7 @@
 //! HASH besides, which nothing here uses), with two encoders and two motor bridges, or three (feature `three-axes`).
 //!
 //! The first is the default, and the one that all pages mean where they name none. Numbers of connectors are in firmware/wiring/netlist.toml and
-//! docs/assembly.md.
+//! docs/guides/board/assembly.md.
 
 use embassy_stm32::Peripherals;
 

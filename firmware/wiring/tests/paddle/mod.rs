@@ -1,4 +1,4 @@
-//! The paddle of docs/paddle.md: what follows from its numbers, and the files that are made of them.
+//! The paddle of docs/guides/board/paddle.md: what follows from its numbers, and the files that are made of them.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_4, TAU};
@@ -68,7 +68,7 @@ fn filled(template: &str) -> String {
 /// `COHOLD_BLESS=1 cargo test -p cohold-wiring --test suite paddle` writes them.
 #[test]
 fn the_paddle_is_what_its_numbers_say() {
-    let mut page = text("../../docs/paddle.md");
+    let mut page = text("../../docs/guides/board/paddle.md");
     for table in ["parts", "figures"] {
         let begin = format!("<!-- {table}: written by firmware/wiring/tests/paddle -->\n");
         let (before, rest) = page.split_once(&begin).unwrap();
@@ -77,7 +77,7 @@ fn the_paddle_is_what_its_numbers_say() {
     }
     let scad = numbers().iter().map(|(name, value)| format!("{name} = {value:.6};\n")).collect();
     let [drawing, settings] = ["drawing.svg", "settings.toml"].map(|file| filled(&text(&format!("paddle/{file}"))));
-    let files = ["paddle.md", "assembly-paddle.svg", "paddle/settings.toml", "paddle/numbers.scad"];
+    let files = ["guides/board/paddle.md", "assembly-paddle.svg", "paddle/settings.toml", "paddle/numbers.scad"];
     for (file, now) in files.map(|file| format!("../../docs/{file}")).into_iter().zip([page, drawing, settings, scad]) {
         if std::env::var_os("COHOLD_BLESS").is_some() {
             std::fs::write(place(&file), &now).unwrap();
@@ -88,7 +88,7 @@ fn the_paddle_is_what_its_numbers_say() {
 
 #[test]
 fn the_paddle_fits_together_and_its_motor() {
-    let (numbers, guide) = (numbers(), text("../../docs/assembly.md"));
+    let (numbers, guide) = (numbers(), text("../../docs/guides/board/assembly.md"));
     let n = |name: &str| numbers[name];
     assert!((5.0..10.0).contains(&n("peak_n")) && n("worst_n") < 10.0 && (0.05..0.15).contains(&n("apparent_kg")));
     // At a stop the sector still fills the guard's slit, and the cable's turns stay on it as they move along the drum.

@@ -27,6 +27,7 @@ use std::fmt::Display;
 
 use cohold_live::node::{Line, TELEMETRY_S};
 use cohold_live::refused::{Refused, is_telling, wrong};
+use cohold_protocol::end::End as _;
 use cohold_protocol::link::{Config, Error, Link};
 use cohold_protocol::parameters::Parameters;
 use cohold_protocol::peer::{flow_of, packets_of};

@@ -5,7 +5,7 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Instant;
 
-use cohold_live::discrepancy::{Copies, Sum};
+use cohold_live::discrepancy::Sum;
 use cohold_live::recording::common_clock::Watched;
 use cohold_live::recording::recorder::Recorder;
 use cohold_live::recording::ticks;
@@ -14,6 +14,7 @@ use cohold_live::watch::{LiveOptions, LiveSummary};
 use cohold_protocol::link::Notice;
 use cohold_sim::scene::Scene;
 
+use super::copies::Copies;
 use crate::Error;
 use crate::cooperative::hub::Hub;
 

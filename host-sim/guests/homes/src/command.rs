@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::qr::Code;
 use clap::Args;
 use cohold_cli::address::endpoint;
 use cohold_cli::flags::seconds;
-use cohold_cli::qr::Code;
 use cohold_cli::road::{Meets, Met};
 use cohold_cli::{Failure, Ui};
 use cohold_live::endpoint::Stop;
@@ -24,7 +24,7 @@ use crate::{invitation, meet};
 cohold_cli::commands! {
     /// Beside the heart's.
     pub MeetCommands {
-        /// A meeting place for two homes: rendezvous, STUN and a blind relay for sealed datagrams, on one UDP port.
+        /// Run a rendezvous server for two homes, with STUN and a relay that cannot read the traffic.
         Meet(Meet),
     }
 }

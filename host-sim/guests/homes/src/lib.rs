@@ -30,6 +30,7 @@ pub mod mapping;
 pub mod meet;
 mod paths;
 pub mod place;
+pub mod qr;
 pub mod seat;
 mod signal;
 pub mod stun;

@@ -66,7 +66,7 @@ fn refusal(can: &Abilities, options: &DeviceOptions, scene: &Scene, index: usize
     }
     if can.lets_go_s.is_none() {
         return Some(format!(
-            "nobody knows how long {name} holds a force after the last command: measure it (docs/devices.md) and say so, or it is not armed"
+            "nobody knows how long {name} holds a force after the last command: measure it (docs/guides/devices/index.md) and say so, or it is not armed"
         ));
     }
     if options.axes[..used.min(AXES)].iter().any(|(axis, _)| *axis >= can.axes) {

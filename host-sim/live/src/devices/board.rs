@@ -22,6 +22,7 @@ use cohold_core::law::{AnyLaw, Law, Packet};
 use cohold_core::num::Motion;
 use cohold_core::safety::Fault;
 use cohold_protocol::aged::Aged;
+use cohold_protocol::end::End as _;
 use cohold_protocol::key::Key;
 use cohold_protocol::link::Error as Refusal;
 use cohold_protocol::peer::flow_of;

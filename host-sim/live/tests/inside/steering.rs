@@ -64,7 +64,7 @@ fn it_arms_when_that_is_wanted_and_lets_go_when_it_is_not() {
     one.0.want(|wanted| wanted.clutch = true);
     until("free", || one.0.snapshot().force_n[0] == 0.0);
     assert_eq!(one.0.snapshot().state, "armed");
-    one.0.want(|wanted| *wanted = Wanted::new(false));
+    one.0.want(|wanted| *wanted = Wanted::default());
     until("off", || one.0.snapshot().state == "held");
     assert_eq!(one.0.snapshot().force_n, [0.0; AXES]);
     let report = report(one);

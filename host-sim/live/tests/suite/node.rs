@@ -118,7 +118,7 @@ const HELD: u64 = 29_900;
 /// have moved for [`MOVED`]. Nobody moves before both ends are whole.
 fn push(scene: &Scene, after_us: u64, delay_us: impl Fn(usize, u64) -> u64) -> Met {
     let node = |number: u8| {
-        let node = Node::<1, 2>::new(scene, number, Key::new([0x5a; Key::LEN]), [number; Key::LEN]).expect("a peer");
+        let node = Node::<1, 2>::build(scene, number, Key::new([0x5a; Key::LEN]), [number; Key::LEN]).expect("a peer");
         node.beginning_after(after_us)
     };
     let mut nodes = [node(1), node(2)];

@@ -123,7 +123,7 @@ def test_a_data_set_is_what_the_peers_recorded(line, tmp_path, program):
     line_n_per_m = at_the_end(force) / (at_the_end(column(dataset, "action", "x.pos")) - WALL_M)
     pressed = at_the_end(force) * HAND_N_PER_M / (HAND_N_PER_M + line_n_per_m)
     assert -moved["contact_n"].mean() == pytest.approx(pressed, rel=0.2)
-    # The figures of docs/lerobot.md, shown by `pytest -s`.
+    # The figures of docs/guides/lerobot.md, shown by `pytest -s`.
     at = [at_the_end(column(dataset, "observation.state", "x.pos")), moved["device_m"].mean()]
     forces = [at_the_end(force), -at_the_end(felt), -moved["contact_n"].mean(), pressed]
     print(f"frames {dataset.num_frames}; met, felt, replayed, as statics have it: {forces} N; recorded, replayed at {at} m")

@@ -11,7 +11,7 @@
 //! **Left out**: devices with encoders, motors, windings, friction or faults, impulsive contact, and laws that keep `f64` beside their
 //! number type (ledger, `self-timed`): these are run alone.
 //!
-//! **How fast** depends on the vectors of the processor that the program is compiled for: docs/speed.md.
+//! **How fast** depends on the vectors of the processor that the program is compiled for: docs/results/speed.md.
 
 mod device;
 mod kinds;

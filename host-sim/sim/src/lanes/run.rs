@@ -11,7 +11,7 @@ use crate::run::{Accounts, Begun, Options, Outcome, Ticked, Until, Watch, run_al
 use crate::scene::Scene;
 
 /// Fewest scenes that are worth lanes: a tick of all costs as much as so many scenes' alone, whether or not each lane has one. AVX-512 has masks, which
-/// choose between numbers without a branch (docs/speed.md).
+/// choose between numbers without a branch (docs/results/speed.md).
 const FEWEST: usize = if cfg!(target_feature = "avx512f") { 3 } else { 9 };
 
 /// How scenes are run.

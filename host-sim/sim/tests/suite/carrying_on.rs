@@ -14,7 +14,7 @@ use super::capital_j;
 const SHORT: [(&str, &str); 3] = [("0.05", "40"), ("0.2", "40"), ("0.5", "40")];
 const LONG: [(&str, &str); 3] = [("0.05", "100"), ("0.2", "100"), ("0.5", "100")];
 
-/// The networks that the bench tests on and whose losses are no plain bursts (docs/bench.md), and others that are hostile.
+/// The networks that the bench tests on and whose losses are no plain bursts (docs/results/laws.md), and others that are hostile.
 const OTHERS: [&[&str]; 10] = [
     &[],
     &["network.jitter=pareto", "network.jitter_s=0.004"],

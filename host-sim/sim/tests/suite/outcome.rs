@@ -163,7 +163,7 @@ fn copies_that_come_apart_are_no_object() {
     assert!(matches!(stopped.doubted(doubt).reason, Some(Reason::Stopped { .. })));
 }
 
-/// How far apart is too far is what springs and line leave at rest, and not a length: F·(2/K_T + T/b) (docs/theory.md, section 4).
+/// How far apart is too far is what springs and line leave at rest, and not a length: F·(2/K_T + T/b) (docs/reference/theory.md, section 4).
 #[test]
 fn soft_springs_are_not_copies_that_came_apart() {
     let verdict = |scene: &Scene, mm: f64, force: &dyn Fn(f64) -> f64| {

@@ -1,6 +1,6 @@
 //! A fair bench of coordination laws: every one tuned by the same search under the same bounds, on networks apart from those of the test.
 //!
-//! The protocol is docs/bench.md, which was written first; what it says in numbers stands in [`protocol`], once, and the page quotes it.
+//! The protocol is docs/results/laws.md, which was written first; what it says in numbers stands in [`protocol`], once, and the page quotes it.
 //!
 //! | module | what |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! The bench's part of docs/laws.md, which stands between two lines of its own; the rest of that page other commands write.
+//! The bench's part of a page of the documentation, between two lines of the page.
 
 use super::points::Point;
 use super::protocol::BOUNDS_N_S_PER_M;
@@ -18,20 +18,26 @@ pub fn section(bench: &Bench, found: &Found) -> String {
     let networks: Vec<&str> = bench.networks.iter().map(|network| network.name.as_str()).collect();
     let gains: String = found.best().filter(|point| point.name != "declared").map(line).collect();
     format!(
-        "Written by `cohold study bench --budget {budget} --page docs/laws.md` by [the protocol](bench.md), with one scene. Every law has {searches} searches of {budget} tunings, on networks\n\
-         apart from those of the test. What a hand alone feels is bounded by {bounds} N·s/m (|Z| at 1 Hz); each bound is a point of a law's front. Test networks, {seeds} seeds each:\n\
-         {networks}. {tunings} tunings, {runs} runs of the test. [What the columns mean](data.md#the-bench); every run and tuning is in the files (`--out`).\n\n\
-         *mm/N* is the true discrepancy over the force of contact, under pushes against each other, on the **worst test network**. First it is given at the gains that a law\n\
-         declares, with what a hand then feels. Then it is given at the best gains that the searches found within each bound.\n\n\
-         - `-`: no search found gains within the bound, or a run stopped.\n- *from*, *to*: the least and the most over the searches' own best gains. There is no *to* where a search found none, or such that stop.\n- *stops*: runs of any motion in which a peer stopped.\n\n\
+        "Written by `cohold study bench --budget {budget} --page docs/results/laws.md` by [the protocol](#how-is-the-bench-fair), in one scene.\n\
+         Each law has {searches} searches of {budget} tunings. They use other networks than the test. The felt impedance |Z| at 1 Hz is bounded\n\
+         by {bounds} N·s/m, and each bound gives one result. Test networks, with {seeds} seeds each: {networks}. {tunings} tunings, {runs} runs of\n\
+         the test. [Columns](../reference/columns.md) explains the columns. `--out` writes every run and tuning.\n\n\
+         `mm/N` is the true discrepancy over the contact force, under pushes against each other, on the **worst test network**. The first three\n\
+         columns are for the gains that a law declares. The others are for the best gains that the searches found within each bound.\n\n\
+         - `-`: no search found gains within the bound, or a run stopped.\n\
+         - `from`, `to`: smallest and largest result of the searches. `to` is missing if a search found none, or found gains that stop.\n\
+         - `stops`: runs of any motion in which a peer stopped.\n\n\
          ```text\n{fronts}```\n\n\
          <img src=\"{PICTURE}\" width=\"500\" alt=\"Fronts: true discrepancy of the worst network against what a hand feels, law by law\">\n\n\
-         What the hands meet, motion by motion. A force is that of the motor at the hand; means of the worst network, the largest of any run where it says peak, change or worst.\n\n\
-         - *against*: mm/N, and the largest instant in mm.\n- *together*: the way of a common push of 1 s in mm (not normalised), and the largest force at a hand.\n\
-         - *led*: by an arm over 200 mm at 0.7 Hz: the distance in mm, the force at the hand, its largest change in a tick, and its error.\n- *contact* is made and lost; a hand is *let go*.\n\n\
+         What happens at the hands, motion by motion? Forces are forces of the motor at the hand. Values are means of the worst network. Columns\n\
+         with `peak`, `change` or `worst` have the largest value of any run.\n\n\
+         - `against`: mm/N, and the largest instant in mm.\n\
+         - `together`: distance moved by a common push of 1 s, in mm, and the largest force at a hand.\n\
+         - `led`: position error under an arm that moves 200 mm at 0.7 Hz, the force at the hand, its largest change in a tick, and its error.\n\
+         - `contact`: contact is made and lost. `let go`: a hand releases the object.\n\n\
          ```text\n{moved}```\n\n\
-         What a hand feels, the mass of the object, the least balance of energy of the link in J (what it began with, E₀, may be given back: `coordination.tank_j`,\n\
-         `coordination.carry_energy_j`), and what it costs. *tuning*: what the search saw on its own networks.\n\n\
+         Felt impedance, mass of the object, minimum energy balance of the link in J, and cost. A link may deliver its initial energy\n\
+         (`coordination.tank_j`, `coordination.carry_energy_j`). `tuning` is the result of the search on its own networks.\n\n\
          ```text\n{felt}```\n\n\
          Gains that the searches chose:\n\n{gains}",
         budget = bench.budget,

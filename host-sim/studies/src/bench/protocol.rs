@@ -1,6 +1,6 @@
 //! The protocol in numbers: the scene of all laws, what their gains may do to a hand, and what is tuned between which ends.
 //!
-//! docs/bench.md says why. Settings are those of a scene file, set over the campaign's scene ([`law_scene`]): users push as in the cooperation
+//! docs/results/laws.md says why. Settings are those of a scene file, set over the campaign's scene ([`law_scene`]): users push as in the cooperation
 //! paper's §5.2, K_LC = 1000 N/m, B_LC = 2 N·s/m, a device of 0.1 kg and 1 N·s/m whose force is late by [`SCENE`], one solve a tick; in silence all let go
 //! as late ([`LADDER`](crate::campaign::laws::LADDER)).
 

@@ -268,7 +268,7 @@ fn every_search_is_shown_and_the_nearest_is_named() {
 /// The scene with the gains of four channels is the bench's, with the gains that the page has.
 #[test]
 fn the_scene_of_the_nearest_law_is_that_of_the_page() {
-    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/laws.md");
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/results/laws.md");
     let page = std::fs::read_to_string(page).expect("the page of laws");
     let gains = |line: &str| Some(line.strip_prefix("- `four-channel` ≤ 25: `")?.strip_suffix('`')?.to_owned());
     let gains = page.lines().find_map(gains).expect("the bench has gains of four channels for 25 N·s/m");

@@ -3,9 +3,9 @@
 use super::*;
 use crate::campaign::laws::page::{PROOFS, between, with};
 
-const PAGE: &str = include_str!("../../../../docs/laws.md");
+const PAGE: &str = include_str!("../../../../docs/results/laws.md");
 
-/// A row a law in the registry's order, each with its verdict: a law that was added is missing until `cohold stability prove --page docs/laws.md` was run.
+/// A row a law in the registry's order, each with its verdict: a law that was added is missing until `cohold stability prove --page docs/results/laws.md` was run.
 #[test]
 fn every_law_stands_proved_in_the_page() {
     let found = between(PAGE, PROOFS).expect("a section of proofs");
@@ -14,7 +14,7 @@ fn every_law_stands_proved_in_the_page() {
     let verdicts: Vec<(&str, bool)> =
         rows.map(|row| (row.split("  ").next().unwrap_or(row), row.ends_with("  holds"))).collect();
     let wanted: Vec<(&str, bool)> = names(cohold_guest_laws::laws()).into_iter().map(|name| (name, true)).collect();
-    assert_eq!(verdicts, wanted, "cohold stability prove --page docs/laws.md");
+    assert_eq!(verdicts, wanted, "cohold stability prove --page docs/results/laws.md");
     // The words around the table are those of the code.
     let empty = section(&report(&columns(&[])));
     let marks = ["law", "(any law)"].map(|mark| empty.find(&format!("\n{mark}")).expect("words"));

@@ -156,7 +156,7 @@ fn at_rest_nothing_is_drawn() {
     assert!((0..30).any(|_| ten(&mut browser) == ""), "{}", ten(&mut browser));
 }
 
-/// Processor time of a browser whose page is at rest, all its processes together, at the median of five times eight seconds: a table for docs/play.md.
+/// Processor time of a browser whose page is at rest, all its processes together, at the median of five times eight seconds: a table for docs/project/notes/live-measurements.md.
 #[test]
 #[ignore = "takes minutes, and tells of the machine"]
 fn how_much_rest_costs() {

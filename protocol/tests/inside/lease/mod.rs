@@ -3,7 +3,7 @@
 //! promises S1 to S5 ([`world`]). Mistakes that are planted are found, those of wire version 3 among them; what is printed then is a
 //! shortest sequence of actions.
 //!
-//! docs/security.md states bounds and counts of states, and the tests read them there. The command for larger bounds:
+//! docs/project/security.md states bounds and counts of states, and the tests read them there. The command for larger bounds:
 //! `cargo test --release -p cohold-protocol --lib lease -- --ignored`.
 
 mod world;
@@ -17,7 +17,7 @@ use super::{Motors, Number, Told, Want, Word};
 use world::{Action, Mixed, Planted, State, World};
 
 /// This page lists the worlds that are explored, one in a row.
-const PAGE: &str = include_str!("../../../../docs/security.md");
+const PAGE: &str = include_str!("../../../../docs/project/security.md");
 
 /// One operator, and one datagram under way each way.
 const ONE: World = World {
@@ -89,7 +89,7 @@ fn explore(world: &World, most: usize) -> Result<(usize, u32, bool), (&'static s
     Ok((known.len(), depth, level.is_empty()))
 }
 
-/// Explores a world, and compares bounds and count of states with its row in docs/security.md. It ends beyond twice that count.
+/// Explores a world, and compares bounds and count of states with its row in docs/project/security.md. It ends beyond twice that count.
 fn holds(name: &str, world: &World) {
     let World { lease, to_board, to_operator, live_every, .. } = world;
     let bounds = format!("| {name} | {lease} | {to_board}, {to_operator} | {live_every} | ");
@@ -140,7 +140,7 @@ fn nothing_breaks_a_promise_within_larger_bounds() {
     holds("by command: two operators", &World { operators: 2, to_board: 2, ..ONE });
 }
 
-/// docs/security.md states this count, of a run before states with the same future were merged: now there are fewer.
+/// docs/project/security.md states this count, of a run before states with the same future were merged: now there are fewer.
 #[test]
 #[ignore = "takes an hour and 8 GB: see the top of this file"]
 fn nothing_that_two_operators_can_do_breaks_a_promise() {

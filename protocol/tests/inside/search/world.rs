@@ -31,7 +31,7 @@ const WAITS: [u64; 3] = [60_000, 520_000, 1_050_000];
 const RESTARTS: usize = 1;
 const LINES: u8 = 1;
 
-/// What is promised, by FORMAT.md and docs/security.md.
+/// What is promised, by FORMAT.md and docs/project/security.md.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Promise {
     /// No key meets a nonce twice.

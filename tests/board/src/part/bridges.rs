@@ -10,7 +10,7 @@ use super::{MOTORS, Part};
 /// What the wiring has for a gate between PF3, PE14 and the amplifiers' enable, whose output goes back to PD15.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Gate {
-    /// An AND of both, as docs/assembly.md wants it.
+    /// An AND of both, as docs/guides/board/assembly.md wants it.
     #[default]
     Both,
     /// PF3 alone: there is no gate.

@@ -25,7 +25,7 @@ fn armed(three: bool) -> Bench {
 
 fn image(three: bool) -> (Arc<Firmware>, Scene) {
     if three {
-        (Arc::new(Firmware::three_axes()), three_axes::scene())
+        (Arc::new(Firmware::with("three-axes")), three_axes::scene())
     } else {
         (Arc::new(Firmware::release()), breaks::scene(&[]))
     }

@@ -86,7 +86,7 @@ fn they_stay_armed_and_nothing_jerks() {
 }
 
 /// What the recommended scene computes on two boards is what cohold computes, given the same arrivals, through bursts; within 1300
-/// instructions a tick, of which the body's envelope is 30, the dead man and the tick's own times another 30, and with a packet a tick each way. A minute of it: docs/hardware.md.
+/// instructions a tick, of which the body's envelope is 30, the dead man and the tick's own times another 30, and with a packet a tick each way. A minute of it: docs/reference/board.md.
 #[test]
 fn any_network_gives_the_same_bits_through_bursts() {
     let seconds = 10.0;

@@ -50,13 +50,13 @@ fn instructions(firmware: &Arc<Firmware>, measured: &mut Measured) {
     let (equal, three) = three_axes::run(2);
     assert_eq!(equal.first_difference, None, "three axes");
     instructions_of(measured, "three-axes", three);
-    measured.add("itcm_bytes.three-axes", Firmware::three_axes().sections[".itcm"].1 as f64);
+    measured.add("itcm_bytes.three-axes", Firmware::with("three-axes").sections[".itcm"].1 as f64);
     let (equal, instructions) = spi_encoders::run(1);
     assert_eq!(equal.first_difference, None, "encoders on SPI");
     instructions_of(measured, "spi-encoders", instructions);
-    measured.add("itcm_bytes.spi-encoders", Firmware::spi_encoders().sections[".itcm"].1 as f64);
+    measured.add("itcm_bytes.spi-encoders", Firmware::with("spi-encoders").sections[".itcm"].1 as f64);
     instructions_of(measured, "fixed-point", same_bits::in_fixed_point(1));
-    measured.add("itcm_bytes.fixed-point", Firmware::fixed_point().sections[".itcm"].1 as f64);
+    measured.add("itcm_bytes.fixed-point", Firmware::with("fixed-point").sections[".itcm"].1 as f64);
     measured.add("loop_instructions_median", trial.loop_instructions.median);
     measured.add("loop_instructions_max", trial.loop_instructions.max);
 }

@@ -173,6 +173,6 @@ fn pulled_and_put_back() {
         assert_eq!(equal, Equal { ticks: whole.len() as u64, first_difference: None });
     }
     let head = "| when | board 2 | coordination force | its log | largest step of the hand's force in a tick |";
-    docs::table("cable", head, &rows);
+    docs::table("guides/board/operate.md", "cable", head, &rows);
     reviewed::check_all(&bench.finish());
 }

@@ -1,5 +1,5 @@
 //! A person brings a board up: cohold's steps against the release image, closed around a device whose numbers they are not given. What ends
-//! it becomes a table in docs/hardware.md; `COHOLD_BLESS=1` writes it, otherwise it must be there.
+//! it becomes a table in docs/guides/board/calibrate.md; `COHOLD_BLESS=1` writes it, otherwise it must be there.
 
 use std::cell::RefCell;
 use std::path::Path;
@@ -184,7 +184,7 @@ fn what_is_wrong_ends_the_first_hour_before_anything_drives() {
         let told = told.split_once(".toml:").and_then(|(_, rest)| rest.split_once(": ")).map_or(told, |(_, told)| told);
         rows.push(format!("| {what} | {} | {told} |", step.trim_end_matches(": ")));
     }
-    docs::table("calibrate", "| what is wrong | ends at | saying |", &rows);
+    docs::table("guides/board/calibrate.md", "calibrate", "| what is wrong | ends at | saying |", &rows);
 }
 
 /// Every step, and what was found against the truth.

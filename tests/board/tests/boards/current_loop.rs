@@ -222,7 +222,12 @@ fn tick_and_loop_are_in_time_whatever_else_goes_on() {
     bench.run_for_ms(1200);
     assert_eq!(bench.ask(1, "disarm"), "ok disarmed");
     rows.push(load(&mut bench, "disarmed"));
-    docs::table("current_loop", "| board | current loop, 20 kHz | tick, 1 kHz | all else |", &rows);
+    docs::table(
+        "reference/board.md",
+        "current_loop",
+        "| board | current loop, 20 kHz | tick, 1 kHz | all else |",
+        &rows,
+    );
     // As many as a sector takes, until one has to erase.
     let mut said = String::new();
     for _ in 0..17 {

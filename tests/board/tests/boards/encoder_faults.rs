@@ -1,5 +1,5 @@
 //! Encoders that fail while the device moves, at the force limits of a board with its default settings: their edges and index tell, and what
-//! motors in current loops show of their speed. The rows become the table in docs/hardware.md; `COHOLD_BLESS=1` writes it, otherwise it must be there.
+//! motors in current loops show of their speed. The rows become the table in docs/reference/faults.md; `COHOLD_BLESS=1` writes it, otherwise it must be there.
 
 use std::sync::Arc;
 
@@ -68,6 +68,7 @@ fn encoders_that_fail_are_told() {
         bench.finish();
     }
     docs::table(
+        "reference/faults.md",
         "encoder_faults",
         "| encoder of a device that moves at 0.15 m/s or more | outputs off after | status says |",
         &rows,

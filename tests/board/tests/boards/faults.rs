@@ -1,5 +1,5 @@
 //! Faults injected while the motors are on: how soon the outputs are off, what is reported, and that only a command brings
-//! them back. The rows become the table in docs/hardware.md; `COHOLD_BLESS=1` writes it, otherwise it must be there.
+//! them back. The rows become the table in docs/reference/faults.md; `COHOLD_BLESS=1` writes it, otherwise it must be there.
 
 use std::cell::{Cell, RefCell};
 use std::sync::Arc;
@@ -362,5 +362,10 @@ fn outputs_go_off_and_stay_off() {
         "| power cut after each of the {words} words of a save | were off | settings old or new, whole | - |"
     ));
 
-    docs::table("faults", "| fault | outputs off after | status says | arming is refused with |", &campaign.rows);
+    docs::table(
+        "reference/faults.md",
+        "faults",
+        "| fault | outputs off after | status says | arming is refused with |",
+        &campaign.rows,
+    );
 }

@@ -30,7 +30,7 @@ fn scene() -> Scene {
 /// What two boards computed, one that drives its motor by this other scene, and one with a moteus, for so long.
 pub(crate) fn run(other: &Scene, seconds: u64) -> (Equal, MedianAndMost, Vec<Report>) {
     let scenes = [other, &scene()];
-    let images = [Firmware::release(), Firmware::moteus().alone()].map(Arc::new);
+    let images = [Firmware::release(), Firmware::with("moteus").alone()].map(Arc::new);
     let mut bench = Bench::mixed(&images, trial::line(other).expect("a wire can do it"));
     bench.set_up_each(&scenes.map(Scene::clone)).expect("the boards take the scenes");
     bench.arm();
@@ -72,7 +72,7 @@ fn a_board_with_bridges_and_its_own_current_loop_and_one_with_a_moteus_hold_one_
 
 /// A board alone with a moteus, armed.
 fn armed() -> Bench {
-    let mut bench = breaks::armed(&Arc::new(Firmware::moteus()), &scene());
+    let mut bench = breaks::armed(&Arc::new(Firmware::with("moteus")), &scene());
     assert!(bench.stopped[0].bridges.on(), "its torque is on");
     let pins = bench.peek(1, PORT_D);
     assert_eq!((pins[0] & 15, pins[1] & 0xFF), (0b1010, 0x99), "PD0 and PD1 lead to FDCAN1");
@@ -162,7 +162,7 @@ fn the_torque_is_gone_within_its_time_and_the_cause_is_told() {
 fn a_board_that_stands_sends_nothing_and_the_motor_lets_go_by_itself() {
     /// b .; b .
     const FOR_EVER: u32 = 0xE7FE_E7FE;
-    let firmware = Arc::new(Firmware::moteus());
+    let firmware = Arc::new(Firmware::with("moteus"));
     let mut bench = armed();
     bench.input(1).poke.push((firmware.address("TIM6_DAC"), FOR_EVER));
     let begun = bench.now_ns();
@@ -180,7 +180,7 @@ fn a_board_that_stands_sends_nothing_and_the_motor_lets_go_by_itself() {
 fn a_board_without_an_answering_motor_starts_and_is_not_armed() {
     let why = "error the motor's controller does not answer: look at its supply, its bus, its identifier (1)";
     let dead = |inputs: &mut Inputs| inputs.controller = Some(Planted::Dead);
-    let mut bench = breaks::silent(Firmware::moteus(), &scene(), dead, why);
+    let mut bench = breaks::silent(Firmware::with("moteus"), &scene(), dead, why);
     bench.input(1).controller = Some(Planted::None);
     bench.run_for_ms(5);
     bench.check(1).expect("it passes");
@@ -195,5 +195,5 @@ fn what_one_motor_cannot_do_is_refused() {
         ("axis.count 2", "axis.count 1", "1, because the image for a moteus drives one motor"),
         ("motor.drive current-loop", "motor.drive amplifier", current),
     ];
-    breaks::refuses(Firmware::moteus(), &settings);
+    breaks::refuses(Firmware::with("moteus"), &settings);
 }

@@ -1,5 +1,5 @@
 //! One board alone: it starts, its outputs are off, it answers, it arms and it stops; and what a start leaves in registers that no run of the
-//! virtual board shows. The rows become a table in docs/hardware.md; `COHOLD_BLESS=1` writes it, otherwise it must be there.
+//! virtual board shows. The rows become a table in docs/reference/board.md; `COHOLD_BLESS=1` writes it, otherwise it must be there.
 
 use std::sync::Arc;
 
@@ -55,7 +55,9 @@ fn what_a_start_leaves_in_the_chip() {
     // DBGMCU_APB2FZ1: TIM1; APB3FZ1: WWDG1; APB4FZ1: IWDG1; APB1LFZ1: TIM6; ADC1_JDR1: what a sensor in the middle of its range reads, at a multiple of 2¹².
     const REGISTERS: [u64; 5] = [0x5C00_104C, 0x5C00_1034, 0x5C00_1054, 0x5C00_103C, 0x4002_2080];
     let mut rows = Vec::new();
-    for (image, firmware) in [("one or two motors", Firmware::release()), ("three", Firmware::three_axes().alone())] {
+    for (image, firmware) in
+        [("one or two motors", Firmware::release()), ("three", Firmware::with("three-axes").alone())]
+    {
         let three = image == "three";
         let mut bench = Bench::start(&Arc::new(firmware), 1, Line::default());
         let encoders = [&ENCODERS[..], if three { &THIRD } else { &[] }].concat();
@@ -78,7 +80,7 @@ fn what_a_start_leaves_in_the_chip() {
         }
         bench.finish();
     }
-    docs::table("one_board", "| image for motors | of the chip | is |", &rows);
+    docs::table("reference/board.md", "one_board", "| image for motors | of the chip | is |", &rows);
 }
 
 /// What lies beside the settings or in data is never executed, and the program is never written over; the fault says that it was refused and

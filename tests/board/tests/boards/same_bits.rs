@@ -47,7 +47,7 @@ fn two_boards_equal_cohold() {
 /// Two boards compute in fixed point for so long. Each record is computed again on this PC. Gives the instructions of a tick.
 pub(crate) fn in_fixed_point(seconds: u64) -> MedianAndMost {
     let scene = breaks::scene(&[]);
-    let mut bench = breaks::just_armed(&Arc::new(Firmware::fixed_point()), 2, Line::default(), &scene);
+    let mut bench = breaks::just_armed(&Arc::new(Firmware::with("fixed-point")), 2, Line::default(), &scene);
     bench.count_instructions();
     bench.run_for_ms(1000 * seconds);
     let instructions = MedianAndMost::of(bench.meters[0].ticks.iter().copied());

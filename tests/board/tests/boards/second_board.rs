@@ -12,7 +12,7 @@ const ASKED: [&str; 5] = ["tick-1-khz", "break-by-fault", "break-by-stop", "enco
 
 #[test]
 fn the_second_board_does_what_the_first_does() {
-    let mut rigged = rig::start(Firmware::second_board().alone()).expect("both take it");
+    let mut rigged = rig::start(Firmware::with("nucleo-h753zi").alone()).expect("both take it");
     for name in ASKED {
         let found = test(&mut rigged, name);
         println!("{name}: {found:?}");
@@ -24,6 +24,6 @@ fn the_second_board_does_what_the_first_does() {
 /// Drivers are shared, and the chips' dies are one: it is not much larger or smaller.
 #[test]
 fn its_image_is_as_large_as_the_first_boards() {
-    let [first, second] = [Firmware::release(), Firmware::second_board()].map(|image| image.sections[".text"].1);
+    let [first, second] = [Firmware::release(), Firmware::with("nucleo-h753zi")].map(|image| image.sections[".text"].1);
     assert!(first.abs_diff(second) < first / 100, "{first} and {second} bytes of program");
 }

@@ -30,7 +30,7 @@ const PAUSE_NS: u64 = 350;
 /// What a board with the usual image and one with encoders on SPI computed, for so long, and the instructions of the latter's ticks.
 pub(crate) fn run(seconds: u64) -> (Equal, MedianAndMost) {
     let scene = breaks::scene(&[]);
-    let images = [Firmware::release(), Firmware::spi_encoders().alone()].map(Arc::new);
+    let images = [Firmware::release(), Firmware::with("spi-encoders").alone()].map(Arc::new);
     let mut bench = Bench::mixed(&images, trial::line(&scene).expect("a wire can do it"));
     bench.set_up(&scene).expect("the boards take the scene");
     bench.arm();
@@ -61,7 +61,7 @@ fn a_board_with_quadrature_and_one_with_encoders_on_spi_hold_one_cube() {
 
 #[test]
 fn two_boards_with_encoders_on_spi_and_windings_equal_cohold() {
-    let (firmware, scene) = (Arc::new(Firmware::spi_encoders()), current_loop::scene(&["axis.count=2"]));
+    let (firmware, scene) = (Arc::new(Firmware::with("spi-encoders")), current_loop::scene(&["axis.count=2"]));
     let mut bench = breaks::just_armed(&firmware, 2, Line::default(), &scene);
     bench.run_for_ms(1000);
     let boards = [bench.armed_ticks(1), bench.armed_ticks(2)];
@@ -73,7 +73,7 @@ fn two_boards_with_encoders_on_spi_and_windings_equal_cohold() {
 
 /// A board alone with encoders on SPI, armed.
 fn armed() -> Bench {
-    let bench = breaks::armed(&Arc::new(Firmware::spi_encoders()), &breaks::scene(&[]));
+    let bench = breaks::armed(&Arc::new(Firmware::with("spi-encoders")), &breaks::scene(&[]));
     assert!(bench.stopped[0].bridges.on(), "the motors are on");
     bench
 }
@@ -210,7 +210,7 @@ fn a_bus_without_a_clock_turns_the_motors_off_in_the_third_tick() {
 fn a_board_without_an_encoder_in_use_starts_and_is_not_armed() {
     let why = "error encoder 1 does not answer: look at its supply, its chip select (PA4) and its wires";
     let dead = |inputs: &mut Inputs| inputs.encoder = Some((0, Planted::Dead));
-    let mut bench = breaks::silent(Firmware::spi_encoders(), &breaks::scene(&[]), dead, why);
+    let mut bench = breaks::silent(Firmware::with("spi-encoders"), &breaks::scene(&[]), dead, why);
     // The second encoder's joint is not in use.
     bench.input(1).encoder = Some((0, Planted::None));
     bench.run_for_ms(5);
@@ -224,5 +224,5 @@ fn a_board_without_an_encoder_in_use_starts_and_is_not_armed() {
 #[test]
 fn a_speed_that_an_angle_cannot_be_followed_at_is_refused() {
     let settings = [("encoder.counts_per_m 400000", "encoder.max_speed_m_per_s 5", "encoder.max_speed_m_per_s")];
-    breaks::refuses(Firmware::spi_encoders(), &settings);
+    breaks::refuses(Firmware::with("spi-encoders"), &settings);
 }

@@ -30,7 +30,7 @@ pub(crate) fn scene() -> Scene {
 
 /// Runs it for so many seconds; gives the bits that are equal and the instructions of a tick, an exchange and three records in it.
 pub(crate) fn run(seconds: u64) -> (Equal, MedianAndMost) {
-    let (firmware, scene) = (Arc::new(Firmware::three_axes()), scene());
+    let (firmware, scene) = (Arc::new(Firmware::with("three-axes")), scene());
     let line = trial::line(&scene).expect("a wire can do it");
     let mut bench = breaks::just_armed(&firmware, 2, line, &scene);
     bench.count_instructions();
@@ -68,7 +68,7 @@ fn an_operator_records_every_shared_axis() {
     let _ = std::fs::remove_file(&file);
     let scene = scene();
     let line = trial::line(&scene).expect("a wire can do it");
-    let mut bench = Bench::start(&Arc::new(Firmware::three_axes()), 2, line);
+    let mut bench = Bench::start(&Arc::new(Firmware::with("three-axes")), 2, line);
     bench.set_up(&scene).expect("the boards take the scene");
     bench.pc.record(1, 3, &file);
     bench.arm();

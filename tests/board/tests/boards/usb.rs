@@ -21,7 +21,7 @@ const PC: u8 = 1 << 2;
 
 #[test]
 fn a_pc_finds_a_network_card_and_a_serial_port_which_says_why_it_is_not_armed() {
-    let firmware = Arc::new(Firmware::usb());
+    let firmware = Arc::new(Firmware::with("usb"));
     let mut bench = Bench::start(&firmware, 1, Line::default());
     let mut mac = board_mac(1);
     mac[0] ^= PC;
@@ -61,7 +61,7 @@ fn a_pc_finds_a_network_card_and_a_serial_port_which_says_why_it_is_not_armed() 
 
 #[test]
 fn a_board_without_keys_says_so_at_its_serial_port_and_nothing_to_the_network() {
-    let node = Node::new(Arc::new(Firmware::usb()), 1);
+    let node = Node::new(Arc::new(Firmware::with("usb")), 1);
     let (mut said, mut frames) = (Vec::new(), 0);
     let mut inputs = Inputs { reader: Some(Reader::Reads), ..Inputs::default() };
     for ms in 1..3000 {
@@ -79,7 +79,7 @@ fn a_board_without_keys_says_so_at_its_serial_port_and_nothing_to_the_network() 
 /// The driver copies a frame, as long as the PC says that it is, to where it is taken from.
 #[test]
 fn a_pc_that_sends_longer_frames_than_ethernet_has_disturbs_nothing() {
-    let mut bench = Bench::start(&Arc::new(Firmware::usb()), 1, Line::default());
+    let mut bench = Bench::start(&Arc::new(Firmware::with("usb")), 1, Line::default());
     let block = bench.stopped[0].found.as_ref().expect("the PC has found it").block;
     bench.count_instructions();
     // The last one fills its block, with 28 bytes that say where it is.
@@ -103,7 +103,7 @@ fn a_pc_that_sends_longer_frames_than_ethernet_has_disturbs_nothing() {
 fn it_holds_one_cube_with_a_board_on_ethernet_and_its_cable_out_is_a_cable_out() {
     // The operator is on the same cable: his lease outlasts it.
     let scene = breaks::scene(&["safety.operator_lost_s=1.5"]);
-    let images = [Firmware::release(), Firmware::usb().alone()].map(Arc::new);
+    let images = [Firmware::release(), Firmware::with("usb").alone()].map(Arc::new);
     let mut bench = Bench::mixed(&images, trial::line(&scene).expect("a wire can do it"));
     bench.set_up(&scene).expect("the boards take the scene");
     bench.arm();

@@ -1,5 +1,5 @@
 //! The image of the rig: the NUCLEO-H743ZI2 beside the board under test, which plays device, gate, stop and faults, and captures what the
-//! board does. docs/silicon.md says what it is for, [`cohold_rig::order`] what can be asked of it.
+//! board does. docs/results/hardware.md says what it is for, [`cohold_rig::order`] what can be asked of it.
 //!
 //! One loop, in which the processor sleeps until a timer, a capture or a byte is there; no interrupt is taken, so nothing comes between two
 //! lines of it. All state is on the stack. It cannot panic: the panic handler calls what does not exist, so that an image that might

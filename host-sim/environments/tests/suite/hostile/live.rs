@@ -11,6 +11,7 @@ use cohold_live::endpoint::{Span, Stop};
 use cohold_live::node::Line;
 use cohold_live::tell::Manner;
 use cohold_live::watch::LiveOptions;
+use cohold_protocol::end::End as _;
 use cohold_protocol::key::Key;
 use cohold_protocol::wire::MAX_DATAGRAM;
 use cohold_sim::rng::Rng;

@@ -2,6 +2,7 @@
 
 use cohold_core::safety::Mode;
 use cohold_live::node::{Line, Node};
+use cohold_protocol::end::End as _;
 use cohold_protocol::key::Key;
 use cohold_protocol::link::{Error, Notice};
 use cohold_sim::engine::{Actor, Engine, Out, Seat};

@@ -20,7 +20,7 @@ fn a_copy_that_comes_first_takes_no_line_over() {
     let mut hub: Hub<usize> = Hub::new(&scene, 2, &key(), entropy).expect("a hub");
     let node = |number: u8| {
         let line = key().line(number.into());
-        Node::new(&scene, number, line, [100 + number; Key::LEN]).expect("a peer")
+        <Node>::build(&scene, number, line, [100 + number; Key::LEN]).expect("a peer")
     };
     let (mut nodes, mut copied, mut stolen) = ([node(1), node(2)], 0, 0);
     for tick in 0..2_000_u64 {
@@ -61,7 +61,7 @@ fn a_peer_with_another_address_is_answered_there_within_12_packet_periods() {
         };
         let mut hub: Hub<usize> = Hub::new(&scene, 2, &key(), entropy).expect("a hub");
         let node = |number: u8| {
-            Node::new(&scene, number, key().line(number.into()), [100 + number; Key::LEN]).expect("a peer")
+            <Node>::build(&scene, number, key().line(number.into()), [100 + number; Key::LEN]).expect("a peer")
         };
         let mut nodes = [node(1), node(2)];
         let (mut heard_us, mut longest_us) = (0, 0);

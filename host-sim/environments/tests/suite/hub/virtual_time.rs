@@ -7,6 +7,7 @@ use cohold_core::safety::Mode;
 use cohold_environments::cooperative::hub::Hub;
 use cohold_environments::cooperative::waves::Waves;
 use cohold_live::node::{Line, MOST_NOTICES};
+use cohold_protocol::end::End as _;
 use cohold_protocol::key::Key;
 use cohold_protocol::link::Notice;
 use cohold_protocol::wire::{AxisFlow, Flow, Goodbye};

@@ -39,7 +39,7 @@ impl World {
         let key = Key::new([0x5a; Key::LEN]);
         let nodes = [1, 2].map(|line| {
             let key = if setup.hub { key.line(line) } else { key.clone() };
-            let node = Node::new(scene, number_on(line), key, [line as u8; Key::LEN]).expect("a peer");
+            let node = <Node>::build(scene, number_on(line), key, [line as u8; Key::LEN]).expect("a peer");
             node.beginning_after(AFTER_US)
         });
         let mut drawn = 100;

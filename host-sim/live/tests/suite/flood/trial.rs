@@ -29,7 +29,7 @@ use cohold_live::Error;
 use cohold_live::endpoint::{Endpoint, Live, Stop, Ticker};
 use cohold_live::key_file::entropy;
 use cohold_live::node::Node;
-use cohold_protocol::{key::Key, link::Notice, wire::Greeting};
+use cohold_protocol::{key::Key, link::Notice, link::Stage, wire::Greeting};
 use cohold_sim::engine::{Actor, Out};
 use cohold_sim::{rng::Rng, scene::Scene};
 
@@ -92,7 +92,7 @@ pub(super) fn run(scene: &Scene, rate_per_s: f64, seconds: f64) -> Result<([u64;
     let (endpoints, stranger) = ([endpoint()?, endpoint()?], endpoint()?);
     let addresses = endpoints.each_ref().map(|endpoint| endpoint.address);
     let key = Key::new(entropy()?);
-    let nodes = [Node::new(scene, 1, key.clone(), entropy()?)?, Node::new(scene, 2, key, entropy()?)?];
+    let nodes = [<Node>::build(scene, 1, key.clone(), entropy()?)?, <Node>::build(scene, 2, key, entropy()?)?];
     let period = Duration::from_secs_f64(scene.peer.timing.control_period_s);
     let field =
         Field { seen: Default::default(), tick: Barrier::new(2), now: AtomicU64::new(0), flood: Default::default() };
@@ -181,19 +181,35 @@ impl Live for Held<'_> {
     }
 }
 
+/// What a datagram of a third party must never change: stage of the link, packets taken, events under way, tick of the newest flow, and
+/// whether the peer is engaged.
+fn standing(node: &Node) -> (Stage, u32, usize, Option<u32>, bool) {
+    let link = &node.line.link;
+    let tick = node.line.inbox.newest().map(|flow| flow.tick);
+    (link.stage(), link.counts().taken, link.events_under_way(), tick, node.peer.is_engaged())
+}
+
+/// All that a datagram could change, as text: link, newest flow and the peer, but for the count of refused datagrams.
+fn fingerprint(node: &Node) -> String {
+    let link = format!("{:?}", node.line.link);
+    // The last field of all.
+    let link = link.rfind("refused: ").map_or(link.as_str(), |end| &link[..end]);
+    format!("{link} {:?} {:?} {:?}", node.line.inbox, node.line.heard, node.peer)
+}
+
 /// What a peer does with a datagram of the stranger's.
 fn forged(node: &mut Node, seen: &mut Attacked, now_us: u64, datagram: &mut [u8]) {
     seen.forged_arrived += 1;
     let whole = seen.forged_arrived.is_multiple_of(COMPARE_EVERY);
-    let (before, text) = (node.standing(), whole.then(|| node.fingerprint()));
+    let (before, text) = (standing(node), whole.then(|| fingerprint(node)));
     let verdict = node.receive(now_us, datagram);
-    seen.states_changed += u64::from(before != node.standing());
+    seen.states_changed += u64::from(before != standing(node));
     match verdict {
         Err(_) => {
             seen.forged_refused += 1;
             if let Some(text) = text {
                 seen.states_compared += 1;
-                seen.states_changed += u64::from(text != node.fingerprint());
+                seen.states_changed += u64::from(text != fingerprint(node));
             }
         }
         Ok(None) if datagram.get(1).is_some_and(|kind| Greeting::is_kind(*kind)) => {
