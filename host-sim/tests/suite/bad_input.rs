@@ -202,31 +202,31 @@ fn negative_numbers() {
         let words: Vec<&str> = arguments.iter().flat_map(|text| text.split(' ')).collect();
         refused(&words, names);
     };
-    negative(&["shared world crowd --clients 10,-1"], &["--clients", "1..=4096"]);
-    negative(&["shared world crowd --clients -1"], &["--clients", "1..=4096"]);
+    negative(&["shared world crowd --clients 10,-1"], &["--clients", "from 1 to 4096"]);
+    negative(&["shared world crowd --clients -1"], &["--clients", "from 1 to 4096"]);
     negative(&["shared world crowd --seconds -1"], &["--seconds -1"]);
     negative(&["shared world crowd --warm-up-s -1"], &["--warm-up-s -1"]);
-    negative(&["shared squash --players -1"], &["--players", "2..=8"]);
+    negative(&["shared squash --players -1"], &["--players", "from 2 to 8"]);
     negative(&["shared squash --rtt-ms -1"], &["--rtt-ms -1", "2000 ms"]);
     negative(&["shared squash --seed -1"], &["--seed"]);
-    negative(&["shared squash --rallies -1"], &["--rallies", "1..=32767"]);
+    negative(&["shared squash --rallies -1"], &["--rallies", "from 1 to 32767"]);
     let relay = "network relay --listen-1 127.0.0.1:0 --listen-2 127.0.0.1:0 --peer-1 127.0.0.1:9 --peer-2 127.0.0.1:9";
     negative(&[relay, "--seconds -1"], &["--seconds -1"]);
     negative(&["network trace --seconds -1 /no/such/trace.csv"], &["--seconds -1"]);
     let peer = "--listen 127.0.0.1:0 --connect 127.0.0.1:9 --key-file /no/such.key";
-    negative(&["peer --number -1", peer], &["--number", "1..=2"]);
+    negative(&["peer --number -1", peer], &["--number", "from 1 to 2"]);
     negative(&["peer --number 1 --seconds -1", peer], &["--seconds -1"]);
     negative(&["peer --number 1 --patience-s -1", peer], &["--patience-s -1"]);
     let serve = "shared world serve --world /no/such.toml --listen 127.0.0.1:0 --key-file /no/such.key";
     negative(&[serve, "--seconds -1"], &["--seconds -1"]);
-    negative(&[serve, "--lines -1"], &["--lines", "1..=4096"]);
+    negative(&[serve, "--lines -1"], &["--lines", "from 1 to 4096"]);
     negative(&[serve, "--region -1"], &["--region"]);
     let visit = "shared world visit --key-file /no/such.key --server 1=127.0.0.1:1";
-    negative(&[visit, "--line -1"], &["--line", "1..=4096"]);
+    negative(&[visit, "--line -1"], &["--line", "from 1 to 4096"]);
     for name in ["--seconds", "--stroke-s", "--radius-m"] {
         negative(&[visit, "--line 1", name, "-1"], &[&format!("{name} -1")]);
     }
-    negative(&["key generate /tmp/x --line -1 --of /no/such.key"], &["--line", "1..=4096"]);
+    negative(&["key generate /tmp/x --line -1 --of /no/such.key"], &["--line", "from 1 to 4096"]);
 }
 
 #[test]

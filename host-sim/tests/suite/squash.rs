@@ -14,14 +14,14 @@ fn the_command_line_plays_and_refuses() {
     let document: serde_json::Value = serde_json::from_slice(&good.stdout).unwrap();
     assert!(good.status.success() && document["agreed"] == true && document["left_the_court"] == 0, "{document}");
     for (line, part) in [
-        ("shared squash --players 9", "2..=8"),
+        ("shared squash --players 9", "from 2 to 8"),
         ("shared squash --rtt-ms -1", "from 0 to 2000 ms"),
         ("shared squash --seconds NaN", "up to 86400 s"),
         ("shared squash --set network.loss=2", "network.loss"),
         ("shared squash --set network.asymmetry_s=0.01", "network.asymmetry_s is not allowed here"),
         ("shared squash --rallies 0", "--rallies"),
         ("shared squash live --number 1 --addresses 127.0.0.1:1 --key-file /nowhere", "/nowhere"),
-        ("shared collaborate --users 1", "2..=8"),
+        ("shared collaborate --users 1", "from 2 to 8"),
         ("shared collaborate --mistake no-fence --scheme ring", "only with --scheme lock"),
     ] {
         let bad = run(line);

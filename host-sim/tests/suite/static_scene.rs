@@ -188,8 +188,8 @@ fn what_is_wrong_is_one_line() {
         &["--friend 1", "own line"],
     );
     visit(&[&one[..], &["--friend", "2=127.0.0.1:1"]].concat(), &["--friend-key-file"]);
-    refused(&["key", "generate", "/tmp/x", "--line", "0", "--of", &server], &["0", "1..=4096"]);
+    refused(&["key", "generate", "/tmp/x", "--line", "0", "--of", &server], &["0", "from 1 to 4096"]);
     refused(&["key", "generate", &client, "--line", "1", "--of", &server], &[&client, "exists"]);
-    refused(&["shared", "world", "crowd", "--clients", "0"], &["0", "1..=4096"]);
+    refused(&["shared", "world", "crowd", "--clients", "0"], &["0", "from 1 to 4096"]);
     refused(&["shared", "world", "crowd", "--seconds=-1"], &["--seconds"]);
 }
