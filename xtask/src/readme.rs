@@ -21,7 +21,7 @@ use crate::run::{self, Failure, command, output_up_to};
 
 /// Refreshes all pages or one, or checks that they are fresh.
 pub(crate) fn readme(check: bool, page: Option<&str>) -> Result<(), Failure> {
-    let cohold = HostSim { program: run::cohold(true)?.display().to_string(), empty: target().join("pages") };
+    let cohold = Program { program: run::cohold(true)?.display().to_string(), empty: target().join("pages") };
     let pages = page.map_or_else(pages, |page| Ok(vec![run::root().join(page)]))?;
     if check {
         run::run(&mut command("python3", &["xtask/pages.py", "run", &cohold.program]))?;
@@ -70,7 +70,7 @@ fn shown(line: &str) -> Option<&str> {
 }
 
 /// Replaces every block of a page by what its command prints now; its name, if that changes it.
-fn refresh(page: &Path, cohold: &HostSim, check: bool) -> Result<Option<String>, Failure> {
+fn refresh(page: &Path, cohold: &Program, check: bool) -> Result<Option<String>, Failure> {
     let name = page.strip_prefix(run::root()).unwrap_or(page).display().to_string();
     let old = run::read(page)?;
     let mut fresh = String::new();
@@ -145,13 +145,13 @@ fn markdown(printed: &str) -> Option<String> {
 }
 
 /// cohold as a newcomer's first command builds it.
-struct HostSim {
+struct Program {
     program: String,
     /// The folder in which it runs.
     empty: PathBuf,
 }
 
-impl HostSim {
+impl Program {
     /// Its standard output, run in the folder after that was emptied; spaces at line ends are removed.
     fn prints(&self, arguments: &str) -> Result<String, Failure> {
         let empty = &self.empty;

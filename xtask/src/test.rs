@@ -69,7 +69,7 @@ const BOARDS: [Step; 10] = [
 const REST: [Step; 12] = [
     Step("format", Always, |_, _| format()),
     Step("rooms", Always, |ready, _| rooms::rooms(&calls(ready), false)),
-    Step("pages", Always, |_, _| {
+    Step("docs", Always, |_, _| {
         let looks = |words: &[&str]| run(&mut run::command("python3", words));
         looks(&["xtask/pages.py", "links"]).and_then(|()| looks(&["xtask/prose.py", "--check"]))
     }),

@@ -134,15 +134,13 @@ pub(crate) struct Timing {
 
 impl Timing {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        Ui::have(self.page.as_slice(), &[timed::LINES])?;
         ui.only_built_in("accuracy time compares");
         let (rows, _) = ui.work(1, "schemes", |_| Ok::<_, Failure>(timed::study()?))?;
         let table = timed::columns(&rows);
         writeln!(ui, "A millisecond of control of one peer in f32: how wrong it is, and how long it takes here\n");
         ui.result(&table)?;
-        if let Some(file) = &self.page {
-            ui.rewrite(file, timed::LINES, &format!("```text\n{table}```"))?;
-        }
-        Ok(())
+        ui.rewrite(self.page.as_slice(), timed::LINES, &format!("```text\n{table}```")).map(drop)
     }
 }
 

@@ -42,34 +42,21 @@ pub(super) struct Bench {
 
 impl Bench {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        // Said before the work, and not after it.
-        for page in &self.page {
-            if !Ui::has(page, CHOOSER)? && !Ui::has(page, BENCH)? {
-                let [here, there] = [CHOOSER[0], BENCH[0]];
-                return Err(format!("--page {}: there is no line {here} and no line {there}", page.display()).into());
-            }
-        }
+        Ui::have(&self.page, &[CHOOSER, BENCH])?;
         let bench = self.bench(ui)?;
         let question = bench.question(ui.provenance())?;
         let folder = ui.writes(&self.out).then(|| self.folder(&question));
         let kept = folder.as_deref().map(|folder| (folder, &question));
         let (found, wall_s) = ui.work(bench.steps(), "bench", |step| bench.run(kept, &|| step()))?;
-        let files = match &folder {
+        let mut files = match &folder {
             Some(folder) => self.files(ui, folder, &question, &found)?,
             None => Vec::new(),
         };
-        let mut pages = Vec::new();
-        for page in &self.page {
-            pages.push(page.clone());
-            if Ui::has(page, CHOOSER)? {
-                ui.rewrite(page, CHOOSER, &chooser::section(&found))?;
-            }
-            if Ui::has(page, BENCH)? {
-                ui.rewrite(page, BENCH, &section(&bench, &found))?;
-                pages.push(Ui::beside(page, PICTURE, &figure::fronts(&found))?);
-            }
+        files.extend(self.page.iter().cloned());
+        ui.rewrite(&self.page, CHOOSER, &chooser::section(&found))?;
+        for page in ui.rewrite(&self.page, BENCH, &section(&bench, &found))? {
+            files.push(Ui::beside(&page, PICTURE, &figure::fronts(&found))?);
         }
-        let files = [files, pages].concat();
         let (fronts, points) = (tables::fronts(&found), tables::points(&found.points));
         ui.document_of(&question, &json!({ "fronts": fronts, "nearest": chooser::nearest(&found), "points": points, "wall_s": wall_s, "files": files }))?;
         let [moved, felt] = tables::parts(&found);

@@ -44,7 +44,7 @@ pub(super) struct Laws {
     names: String,
     #[command(flatten)]
     scene: SceneArgs,
-    /// Also write the tables between their lines of this page, and the picture beside the first. May be repeated.
+    /// Also write the tables between their lines of this page, and the picture beside the page that shows it. May be repeated.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["scene", "set", "seed"])]
     page: Vec<PathBuf>,
     #[command(flatten)]
@@ -53,6 +53,7 @@ pub(super) struct Laws {
 
 impl Laws {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        Ui::have(&self.page, &LAWS)?;
         let chosen = asked_for(ui.laws, &self.names)?;
         let (file, set) = self.scene.parts();
         let scenes = law_scenes(ui.laws, &chosen, file, &set)?;
@@ -73,17 +74,16 @@ impl Laws {
                 figure.map_or(Ok(()), |figure| files.figure(None, &figure))
             })?);
         }
-        if let Some(first) = self.page.first() {
-            let set: Vec<String> = EACH_TICK.map(str::to_owned).to_vec();
-            let scenes = law_scenes(ui.laws, &chosen, None, &set)?;
+        if !self.page.is_empty() {
+            let scenes = law_scenes(ui.laws, &chosen, None, &EACH_TICK.map(str::to_owned))?;
             let (each_tick, _) = ui.work(chosen.len(), "laws", |step| bench(ui.laws, &scenes, &|| step()))?;
-            let written = LAWS.into_iter().zip(sections(&rows, &each_tick));
-            for (page, (lines, text)) in self.page.iter().flat_map(|page| written.clone().map(move |of| (page, of))) {
-                if Ui::has(page, lines)? {
-                    ui.rewrite(page, lines, &text)?;
+            files.extend(self.page.iter().cloned());
+            for (lines, text) in LAWS.into_iter().zip(sections(&rows, &each_tick)) {
+                let pages = ui.rewrite(&self.page, lines, &text)?;
+                for page in pages.iter().filter(|_| text.contains(PICTURE)) {
+                    files.push(Ui::beside(page, PICTURE, &figures::impedance(&rows))?);
                 }
             }
-            files.push(Ui::beside(first, PICTURE, &figures::impedance(&rows))?);
         }
         ui.document_of(
             &provenance,

@@ -22,6 +22,7 @@ pub(super) struct Prove {
 
 impl Prove {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        Ui::have(self.page.as_slice(), &[page::PROOFS])?;
         ui.only_built_in("prove looks at");
         let names = proof::names(ui.laws);
         let asked = match &self.law {
@@ -41,9 +42,6 @@ impl Prove {
         ui.document(&json!({ "laws": table }))?;
         let report = proof::report(&table);
         writeln!(ui, "{report}");
-        if let Some(file) = &self.page {
-            ui.rewrite(file, page::PROOFS, &proof::section(&report))?;
-        }
-        Ok(())
+        ui.rewrite(self.page.as_slice(), page::PROOFS, &proof::section(&report)).map(drop)
     }
 }

@@ -219,20 +219,36 @@ impl Ui {
         Ok(path)
     }
 
-    /// Whether a page has these two lines.
-    pub(crate) fn has(file: &std::path::Path, lines: [&str; 2]) -> Result<bool, Failure> {
-        let refused = |cause| Failure::from(format!("--page {}: {cause}", file.display()));
-        Ok(page::between(&cohold_io::text(file, page::MOST).map_err(refused)?, lines).is_some())
+    /// A page that is to be written into.
+    fn page(file: &std::path::Path) -> Result<String, Failure> {
+        cohold_io::text(file, page::MOST).map_err(|cause| format!("--page {}: {cause}", file.display()).into())
     }
 
-    /// Writes what is new of a page between two lines of it.
-    pub(crate) fn rewrite(&self, file: &PathBuf, lines: [&str; 2], text: &str) -> Result<(), Failure> {
-        let refused = |cause: Failure| Failure::from(format!("--page {}: {cause}", file.display()));
-        let old = cohold_io::text(file, page::MOST).map_err(|cause| refused(cause.into()))?;
-        let page = page::with(&old, lines, text).map_err(|cause| refused(cause.into()))?;
-        write_file(file, "Markdown", page.as_bytes(), Kind::Named)?;
-        self.wrote(std::slice::from_ref(file));
+    /// Refuses a page that has none of these pairs of lines. Call it before long work.
+    pub(crate) fn have(files: &[PathBuf], pairs: &[[&str; 2]]) -> Result<(), Failure> {
+        for file in files {
+            let page = Self::page(file)?;
+            if !pairs.iter().any(|lines| page::between(&page, *lines).is_some()) {
+                let lines: Vec<&str> = pairs.iter().map(|[begin, _]| *begin).collect();
+                return Err(
+                    format!("--page {}: there is no line {}", file.display(), lines.join(" and no line ")).into()
+                );
+            }
+        }
         Ok(())
+    }
+
+    /// Replaces the text between two lines in each of these pages that has them, and returns those pages.
+    pub(crate) fn rewrite(&self, files: &[PathBuf], lines: [&str; 2], text: &str) -> Result<Vec<PathBuf>, Failure> {
+        let mut written = Vec::new();
+        for file in files {
+            if let Ok(page) = page::with(&Self::page(file)?, lines, text) {
+                write_file(file, "Markdown", page.as_bytes(), Kind::Named)?;
+                written.push(file.clone());
+            }
+        }
+        self.wrote(&written);
+        Ok(written)
     }
 
     /// Says that these files were written.

@@ -176,14 +176,7 @@ impl<const SHARED: usize, const N: usize> LivePeer<SHARED, N> {
 
     /// Energy that its coordination took in and neither gave out nor stores, J, along all axes; below 0 it has generated energy.
     pub fn kept_j(&self) -> f64 {
-        self.energies().map(|(port, energy)| port.balance_j - energy.stored_j).sum()
-    }
-
-    fn energies(&self) -> impl Iterator<Item = (&ObjectPort, PortEnergy)> {
-        self.ports.iter().zip(self.node.peer.ledger()).map(|(port, booked)| {
-            let [received_j, sent_j] = [booked.received_j(), booked.sent_j()].map(f64::from);
-            (port, port.with_network(received_j, sent_j))
-        })
+        self.ports.iter().map(ObjectPort::kept_j).sum()
     }
 
     /// Keeps the motors off until the verdict, and whoever steers, let them be armed. Once they are, no verdict turns them off.
@@ -380,8 +373,7 @@ where
         peer.watch.teller.words(NO_PRIORITY.to_owned());
     }
     let punctuality = endpoint.run(ticker, span.patience_s, stop, &mut peer)?;
-    let energy: PortEnergy = peer.energies().map(|(_, energy)| energy).sum();
-    let LivePeer { node, halves, whole, watch, judging, refused_us, device, .. } = peer;
+    let LivePeer { node, halves, whole, ports, watch, judging, refused_us, device, .. } = peer;
     let (verdict, verdicts) = judging.map_or_else(Default::default, |judging| (judging.verdict, judging.said));
     let [decoded_m, wall, wall_squared] = whole.means();
     let along = |(axis, half): (&'static str, &LastHalf<4>)| {
@@ -391,6 +383,9 @@ where
         AxisReport { axis, decoded_discrepancy_mm: 1e3 * discrepancy_m, forces }
     };
     let axes: Vec<AxisReport> = AXIS_NAMES.into_iter().zip(&halves).map(along).collect();
+    let energies = ports.iter().zip(node.peer.ledger());
+    let energies = energies.map(|(port, booked)| port.with_network(booked.received_j().into(), booked.sent_j().into()));
+    let energy: PortEnergy = energies.sum();
     // What is in joules among a law's keys it may give before it has taken anything, along each axis.
     let starts = scene.law().keys.iter().filter(|key| key.unit == "J").map(|key| scene.peer.own(key));
     let start_j = SHARED as f64 * starts.sum::<f64>();

@@ -59,7 +59,7 @@ impl<const SHARED: usize> Side<SHARED> {
             let [received, sent] = [ledger.received_j(), ledger.sent_j()].map(f64::from);
             port.see(&seen.map(f64::from), [received, sent]);
             sent_j += sent - received;
-            kept_j += port.balance_j - port.with_network(received, sent).stored_j;
+            kept_j += port.kept_j();
         }
         let heard_now = std::mem::replace(&mut self.heard, heard) != heard;
         let live = self.liveness.see(heard_now, peer.outgoing()[0].live_ticks);

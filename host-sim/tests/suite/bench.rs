@@ -70,9 +70,11 @@ fn anybody_s_law_on_anybody_s_network() {
     let text = fs::read_to_string(&front).expect("the page");
     assert!(text.starts_with("before\n") && text.ends_with("after\n") && text.contains("under pushes"), "{text}");
     let quick = ["study", "bench", "--law", "p-plus-d", "--budget", "1", "--searches", "1", "--seeds", "1", "--page"];
-    let refused = cohold(&quick).arg(&bare).output().expect("cohold runs");
-    let said = String::from_utf8_lossy(&refused.stderr);
-    assert!(refused.status.code() == Some(2) && said.contains("bench begin"), "{said}");
+    for (words, line) in [(&quick[..], "bench begin"), (&["study", "laws", "power", "--page"], "laws felt begin")] {
+        let refused = cohold(words).arg(&bare).output().expect("cohold runs");
+        let said = String::from_utf8_lossy(&refused.stderr);
+        assert!(refused.status.code() == Some(2) && said.contains(line), "{said}");
+    }
     assert!(declared("bench").iter().any(|[name, unit, _]| name == "led_peak_n" && unit == "N"));
 }
 

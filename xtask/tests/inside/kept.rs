@@ -24,8 +24,8 @@ fn a_step_depends_on_its_packages_and_what_they_lean_on_and_name() {
     // Not the tests of what it leans on, nor what leans on it.
     assert!(sim.iter().all(|file| !file.starts_with("core/tests") && !file.starts_with("host-sim/live")), "{sim:?}");
     assert!(has(&inputs(&["firmware"], &[]), "memory.x"));
-    assert!(has(&inputs(&["core"], &["docs/hardware.md"]), "docs/hardware.md"));
-    assert!(has(&inputs(&["xtask"], &["."]), "docs/hardware.md"));
+    assert!(has(&inputs(&["core"], &["docs/results/hardware.md"]), "docs/results/hardware.md"));
+    assert!(has(&inputs(&["xtask"], &["."]), "docs/results/hardware.md"));
 }
 
 #[test]

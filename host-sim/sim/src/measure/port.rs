@@ -128,6 +128,11 @@ impl<F: Figure> ObjectPort<F> {
 }
 
 impl ObjectPort {
+    /// Energy that the coordination took in and neither delivered nor stores, J. Below 0 it has generated energy.
+    pub fn kept_j(&self) -> f64 {
+        self.balance_j - self.booked.stored_j
+    }
+
     /// The account of both ports, given the energy that crossed the network port, J.
     pub fn with_network(&self, received_j: f64, sent_j: f64) -> PortEnergy {
         PortEnergy { received_j, sent_j, ..self.booked }
