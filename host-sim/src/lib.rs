@@ -13,6 +13,13 @@ pub use play::page_hears;
 /// The command line with every guest; with a law of your own it is `command_line().with_laws(laws().with::<Mine>())`.
 pub fn command_line() -> Cli {
     Cli::default()
+        .with_groups(&[
+            ("Simulate and see", &["play", "cooperate", "scene", "paper"]),
+            ("Analyse and compare", &["stability", "study", "accuracy"]),
+            ("Connect real peers", &["peer", "meet", "shared", "network", "key"]),
+            ("Use devices and boards", &["devices", "board"]),
+            ("Read data", &["recording"]),
+        ])
         .with_laws(laws())
         .with_proofs(cohold_guest_laws::prove)
         .with_commands::<published::Papers>("paper")

@@ -6,7 +6,7 @@
 //! none, away from walls and at them. A hand that may take either device beside its user is tried on both, on one and on none. What is proposed
 //! holds in all of that, as what [`super::advice`] proposes does.
 //!
-//! **What is not**: a law that is not linear, one whose energy tank may hold back what its matrix makes grow, and more packets in flight than the caller has time for: an eigenvalue costs the cube of them.
+//! **What is not**: a law that is not linear, and more packets in flight than the caller has time for (an eigenvalue costs their cube).
 
 use cohold_core::settings::Value;
 use cohold_plot::significant;
@@ -81,9 +81,6 @@ pub fn find(scene: &Scene, question: Question) -> Finding {
         },
         Ok(Some(Verdict { not_judged_because: Some(because), .. })) => {
             Finding { stable: Some(false), text: unjudged(because), ..finding }
-        }
-        Ok(Some(_)) if scene.law().budgets().next().is_some() => {
-            unknown("the law's energy tank may hold back what grows here")
         }
         Ok(Some(Verdict { spectral_radius, .. })) => {
             let (text, instead) = lower(scene, question, spectral_radius);

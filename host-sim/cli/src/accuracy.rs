@@ -140,7 +140,8 @@ impl Timing {
         let table = timed::columns(&rows);
         writeln!(ui, "A millisecond of control of one peer in f32: how wrong it is, and how long it takes here\n");
         ui.result(&table)?;
-        ui.rewrite(self.page.as_slice(), timed::LINES, &format!("```text\n{table}```")).map(drop)
+        ui.wrote(&Ui::rewrite(self.page.as_slice(), &[(timed::LINES, format!("```text\n{table}```"))], None)?);
+        Ok(())
     }
 }
 

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use cohold_core::law::Sends;
 use cohold_report::Provenance;
+use cohold_studies::bench;
 use cohold_studies::bench::chooser::{self, CHOOSER};
-use cohold_studies::bench::page::{BENCH, PICTURE, section};
+use cohold_studies::bench::page::{BENCH, PICTURE, sections};
 use cohold_studies::bench::{Found, figure, tables};
 use cohold_studies::campaign::laws::asked_for;
 use cohold_studies::networks::{Network, TEST};
-use cohold_studies::{bench, sweep};
 use serde_json::json;
 
 use super::flags::Out;
@@ -42,21 +42,18 @@ pub(super) struct Bench {
 
 impl Bench {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        Ui::have(&self.page, &[CHOOSER, BENCH])?;
+        Ui::have(&self.page, &[&[CHOOSER], &BENCH[..]].concat())?;
         let bench = self.bench(ui)?;
         let question = bench.question(ui.provenance())?;
-        let folder = ui.writes(&self.out).then(|| self.folder(&question));
+        let folder = ui.kept(&self.out, "bench/", &question);
         let kept = folder.as_deref().map(|folder| (folder, &question));
         let (found, wall_s) = ui.work(bench.steps(), "bench", |step| bench.run(kept, &|| step()))?;
         let mut files = match &folder {
             Some(folder) => self.files(ui, folder, &question, &found)?,
             None => Vec::new(),
         };
-        files.extend(self.page.iter().cloned());
-        ui.rewrite(&self.page, CHOOSER, &chooser::section(&found))?;
-        for page in ui.rewrite(&self.page, BENCH, &section(&bench, &found))? {
-            files.push(Ui::beside(&page, PICTURE, &figure::fronts(&found))?);
-        }
+        let parts = [&[(CHOOSER, chooser::section(&found))], &sections(&bench, &found)[..]].concat();
+        files.extend(Ui::rewrite(&self.page, &parts, Some((PICTURE, &figure::fronts(&found))))?);
         let (fronts, points) = (tables::fronts(&found), tables::points(&found.points));
         ui.document_of(&question, &json!({ "fronts": fronts, "nearest": chooser::nearest(&found), "points": points, "wall_s": wall_s, "files": files }))?;
         let [moved, felt] = tables::parts(&found);
@@ -93,12 +90,6 @@ impl Bench {
             networks,
             traces: self.trace.clone(),
         })
-    }
-
-    /// Where it is kept: one folder for a question, so that asking again goes on.
-    fn folder(&self, question: &Provenance) -> PathBuf {
-        let usual = || Path::new("out/bench").join(sweep::tag(question));
-        self.out.out.clone().unwrap_or_else(usual)
     }
 
     /// Tables and figure in the folder of the bench.

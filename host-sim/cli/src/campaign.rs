@@ -77,13 +77,8 @@ impl Laws {
         if !self.page.is_empty() {
             let scenes = law_scenes(ui.laws, &chosen, None, &EACH_TICK.map(str::to_owned))?;
             let (each_tick, _) = ui.work(chosen.len(), "laws", |step| bench(ui.laws, &scenes, &|| step()))?;
-            files.extend(self.page.iter().cloned());
-            for (lines, text) in LAWS.into_iter().zip(sections(&rows, &each_tick)) {
-                let pages = ui.rewrite(&self.page, lines, &text)?;
-                for page in pages.iter().filter(|_| text.contains(PICTURE)) {
-                    files.push(Ui::beside(page, PICTURE, &figures::impedance(&rows))?);
-                }
-            }
+            let picture = (PICTURE, &figures::impedance(&rows));
+            files.extend(Ui::rewrite(&self.page, &sections(&rows, &each_tick), Some(picture))?);
         }
         ui.document_of(
             &provenance,

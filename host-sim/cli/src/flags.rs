@@ -59,10 +59,13 @@ impl SceneArgs {
         self.scene.is_none() && self.set.is_empty() && self.seed.is_none()
     }
 
-    /// As [`Self::load`]; where no scene is named, the built-in one of this name.
+    /// As [`Self::load`]. Where no scene is named, the built-in one of this name, whose users do not push.
     pub fn load_or(&self, ui: &Ui, name: &str) -> Result<Scene, Failure> {
-        let scene = self.scene.clone().or_else(|| Some(name.into()));
-        Self { scene, ..self.clone() }.load(ui)
+        if self.scene.is_some() {
+            return self.load(ui);
+        }
+        let still = [1, 2].map(|number| format!("user.{number}.push_n=0"));
+        Self { scene: Some(name.into()), set: [&still, &self.set[..]].concat(), seed: self.seed }.load(ui)
     }
 
     /// The scene.

@@ -125,6 +125,13 @@ impl Done {
         self.rows.iter().filter(|row| !row.reason.is_empty()).count()
     }
 
+    /// Number of runs, of all that there are, as a sentence. `more` follows it.
+    pub(super) fn said(&self, of: usize, more: &str) -> String {
+        let Self { rows, new, wall_s, .. } = self;
+        let (runs, failed) = (rows.len(), self.failed());
+        format!("{runs} runs of {of}{more}, {failed} of them not stable, {new} new ones in {wall_s:.1} s")
+    }
+
     /// Has the rows reach the disk, and this table of them if they are all that is to be run; returns the files.
     pub(super) fn finish(
         &mut self,

@@ -11,6 +11,7 @@
 //! | laws | [`Cli::with_laws`], and the proofs of their limits by [`Cli::with_proofs`] |
 //! | commands | [`Cli::with_commands`]; of one that only gives a table [`Cli::with_command`] |
 //! | a list that a flag asks for | [`Cli::with_listing`] |
+//! | headings for the commands in the help | [`Cli::with_groups`] |
 //! | kinds of tables, for `recording columns` | [`Cli::with_tables`] |
 //! | claims of a paper, for `paper reproduce` | [`Cli::with_paper`] |
 //! | a road, by which an end is met | [`Cli::with_road`] |
@@ -26,7 +27,6 @@ pub mod columns;
 mod cooperate;
 pub mod device;
 mod devices;
-mod entrants;
 pub mod flags;
 mod grid;
 mod key;
@@ -122,15 +122,17 @@ commands! {
         /// Run the cooperation paper's experiments and compare them with its numbers.
         #[command(args_conflicts_with_subcommands = true)]
         Paper(paper::Paper),
-        /// Simulate two peers that hold one object. Reports position error, force, energy and stability.
+        /// Simulate two peers that hold one object: position error, force, energy and stability.
         Cooperate(cooperate::Cooperate),
         /// Write a scene file to start from.
         #[command(subcommand)]
         Scene(scene::Scene),
-        /// Compute stability from the firmware's own code: a verdict, a limit, a map, gains, or a proof of limits.
+        /// Compute stability from the firmware's own code: verdict, limit, map, gains, or proof.
         #[command(subcommand)]
         Stability(stability::Question),
-        /// Compare scenes or laws over settings, networks and seeds, with confidence intervals. Resumes where it was stopped.
+        /// Compare scenes or laws over settings, networks and seeds, with confidence intervals.
+        ///
+        /// It resumes where it was stopped.
         #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
         Study(study::Study),
         /// Measure the error and the cost of each numerical choice.
@@ -160,6 +162,19 @@ fn as_described(command: clap::Command, add: impl FnOnce(clap::Command) -> clap:
     add(command).about(about).long_about(long)
 }
 
+/// With its commands under these headings, and behind them those that are under none.
+fn grouped(command: clap::Command, groups: Groups) -> clap::Command {
+    let is_under = |name: &str| groups.iter().any(|(_, names)| names.contains(&name));
+    let names = command.get_subcommands().map(clap::Command::get_name);
+    let others: Vec<&str> = names.filter(|name| !is_under(name)).collect();
+    let line = |name: &&str| Some(format!("  {name:<11}{}\n", command.find_subcommand(name)?.get_about()?));
+    let mut text = String::new();
+    for (heading, names) in groups.iter().copied().chain([("Commands", &others[..])]).filter(|of| !of.1.is_empty()) {
+        text += &format!("{heading}:\n{}\n", names.iter().filter_map(line).collect::<String>());
+    }
+    command.help_template(format!("{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{text}Options:\n{{options}}"))
+}
+
 /// A flag that takes a value takes a negative number too: it is out of range, and no flag of its own.
 fn negative_numbers(command: clap::Command) -> clap::Command {
     let takes = |arg: clap::Arg| if arg.get_action().takes_values() { arg.allow_negative_numbers(true) } else { arg };
@@ -178,6 +193,9 @@ struct Added {
     run: Box<Does>,
 }
 
+/// Headings, and the commands under each.
+type Groups = &'static [(&'static str, &'static [&'static str])];
+
 /// What a flag without a value prints instead of anything else.
 type Listing = fn(&Ui) -> Result<(), Failure>;
 
@@ -185,6 +203,7 @@ type Listing = fn(&Ui) -> Result<(), Failure>;
 pub struct Cli {
     added: Vec<Added>,
     listings: Vec<(&'static str, Listing)>,
+    groups: Groups,
     road: Option<Road>,
     /// What commands are given, of guests too.
     ui: Ui,
@@ -203,6 +222,7 @@ impl Default for Cli {
         Self {
             added: Vec::new(),
             listings: vec![("keys", listings::scene_keys), ("scenes", listings::scenes)],
+            groups: &[],
             road: None,
             ui: Ui::new(),
         }
@@ -243,6 +263,12 @@ impl Cli {
     pub fn with_listing(mut self, flag: &'static str, print: Listing) -> Self {
         self.listings.push((flag, print));
         self
+    }
+
+    /// Shows the commands under these headings in the help, each with the names of its commands.
+    #[must_use]
+    pub fn with_groups(self, groups: Groups) -> Self {
+        Self { groups, ..self }
     }
 
     /// Adds kinds of tables to those that `recording columns` explains.
@@ -362,7 +388,7 @@ impl Cli {
             let with_road = |command: clap::Command, name| command.mut_subcommand(name, |of| as_described(of, declare));
             command = here.into_iter().fold(command, with_road);
         }
-        negative_numbers(command)
+        grouped(negative_numbers(command), self.groups)
     }
 
     fn run(&mut self, matches: &clap::ArgMatches) -> Result<(), Failure> {

@@ -42,6 +42,7 @@ impl Prove {
         ui.document(&json!({ "laws": table }))?;
         let report = proof::report(&table);
         writeln!(ui, "{report}");
-        ui.rewrite(self.page.as_slice(), page::PROOFS, &proof::section(&report)).map(drop)
+        ui.wrote(&Ui::rewrite(self.page.as_slice(), &[(page::PROOFS, proof::section(&report))], None)?);
+        Ok(())
     }
 }

@@ -6,19 +6,20 @@ use clap::Args;
 use cohold_core::names::Choice;
 use cohold_report::{Columns, Provenance};
 use cohold_sim::run::Until;
+use cohold_sim::user::User;
+use cohold_studies::entrant::Entrant;
 use cohold_studies::study::answers::{Answer, Bound, Goal, metric};
 use cohold_studies::study::halving::Search;
 use cohold_studies::study::{Network, OWN, Study as Asked};
-use cohold_studies::sweep::{Plan, Row, tag};
+use cohold_studies::sweep::{Plan, Row};
 use serde_json::json;
 
 use super::bench::Bench;
 use super::campaign::{Laws, Networks};
-use super::entrants::EntrantArgs;
 use super::flags::{Out, Time, choice};
 use super::grid::{GridArgs, run, search};
 use super::sweep::Sweep;
-use super::{Failure, Ui};
+use super::{Failure, SceneArgs, Ui};
 
 /// Most rows of a table that are printed for people.
 const MOST_SHOWN: usize = 60;
@@ -38,13 +39,16 @@ super::commands! {
 }
 
 #[derive(Debug, Args)]
+#[command(mut_arg("scene", |arg| arg.help("Scene in which laws are tried, at the gains that each declares [default: the campaign's scene]")))]
+#[command(mut_arg("set", |arg| arg.help("Override one key of all of them. May be repeated")))]
+#[command(mut_arg("seed", |arg| arg.help("First seed [default: the first scene's]")))]
 #[command(mut_arg("seeds", |arg| arg.default_value("20").help("Runs of every point, with the first seed and those after it; the first half chooses, the other half judges")))]
 pub(super) struct Study {
     /// Built-in scenes, scene files, or laws, each with settings of its own.
     #[arg(required = true, value_name = "SCENE|LAW[,TABLE.KEY=VALUE…]")]
-    scenes: Vec<String>,
+    entrants: Vec<String>,
     #[command(flatten)]
-    entrants: EntrantArgs,
+    scene: SceneArgs,
     /// A network that all are run over, by name; `own`, as each scene has it; or `all`. May be repeated; `own` without it.
     #[arg(long, value_name = "NAME|all", value_parser = networks)]
     network: Vec<OfOneName>,
@@ -80,7 +84,7 @@ impl Study {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let study = self.study(ui)?;
         let question = study.question(ui.provenance())?;
-        let folder = ui.writes(&self.out).then(|| self.folder(&question));
+        let folder = ui.kept(&self.out, "study/", &question);
         let goal = Goal { metric: self.best, bounds: self.at_most.clone() };
         // What is run depends on the goal where not all is: then the files say both.
         let (mut done, left_out, answers, asked, told) = match self.search {
@@ -120,24 +124,27 @@ impl Study {
                 writeln!(ui, "{} rows: too many to print\n", table.len());
             }
         }
-        let (runs, all, failed) = (done.rows.len(), study.runs(), done.failed());
-        let spared = all - runs;
+        let spared = study.runs() - done.rows.len();
         let mut spared = if done.whole && spared > 0 { format!(", {spared} spared") } else { String::new() };
         if !left_out.is_empty() {
             spared += &format!(", {} points not run because not stable in every mode", left_out.len());
         }
-        writeln!(
-            ui,
-            "{runs} runs of {all}{spared}, {failed} of them not stable; {} new ones in {:.1} s",
-            done.new, done.wall_s
-        );
+        writeln!(ui, "{}", done.said(study.runs(), &spared));
         ui.wrote(&files);
         Ok(())
     }
 
     /// What is asked.
     fn study(&self, ui: &Ui) -> Result<Asked, Failure> {
-        let entrants = self.entrants.load(ui, &self.scenes, self.time)?;
+        let (scene, set) = self.scene.parts();
+        let of = |text: &String| Entrant::of(ui.laws, text, scene, &set);
+        let entrants = self.entrants.iter().map(of).collect::<Result<Vec<_>, _>>()?;
+        for entrant in &entrants {
+            self.time.check(&entrant.scene)?;
+            if !entrant.scene.users.iter().any(User::acts) {
+                ui.warn(format_args!("{}: nobody pushes: set user.1.push_n", entrant.name));
+            }
+        }
         let mut networks: Vec<Network> = self.network.iter().flatten().cloned().collect();
         for trace in &self.trace {
             networks.push(Network::of_trace(trace).map_err(|error| format!("--trace: {error}"))?);
@@ -149,12 +156,6 @@ impl Study {
         let study = Asked::new(entrants, networks, &grid.over, sample.as_ref(), grid.seeds, self.time.seconds)?;
         study.check()?;
         Ok(study)
-    }
-
-    /// Where it is kept: one folder for a question, so that asking again goes on.
-    fn folder(&self, question: &Provenance) -> PathBuf {
-        let usual = || Path::new("out/study").join(tag(question));
-        self.out.out.clone().unwrap_or_else(usual)
     }
 
     /// Tables and figures of the answers, in the folder of the study.

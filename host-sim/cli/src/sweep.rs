@@ -1,9 +1,6 @@
 //! `cohold study sweep`: a scene over a grid or a sample of its keys, and over seeds.
 
-use std::path::{Path, PathBuf};
-
 use clap::Args;
-use cohold_report::Provenance;
 use cohold_sim::run::Until;
 use cohold_sim::user::User;
 use cohold_studies::sweep;
@@ -41,7 +38,7 @@ impl Sweep {
             ui.warn("nobody pushes: set user.1.push_n (or load a scene)");
         }
         let question = sweep.question(ui.provenance())?;
-        let folder = ui.writes(&self.out).then(|| self.folder(&question));
+        let folder = ui.kept(&self.out, &format!("sweep/{}-", self.scene.name()), &question);
         let until = if folder.is_some() { Until::TheEnd } else { Until::Stopped };
         let mut done = run(ui, &sweep, until, "sweep", folder, &question, self.grid.shard)?;
         let files = done.finish("sweep", &question, |rows| sweep.columns(rows))?;
@@ -59,12 +56,7 @@ impl Sweep {
         } else {
             writeln!(ui, "{} points: too many to print", summary.len());
         }
-        writeln!(
-            ui,
-            "{} runs of {}, {failed} of them not stable; {new} new ones in {wall_s:.1} s",
-            rows.len(),
-            sweep.runs()
-        );
+        writeln!(ui, "{}", done.said(sweep.runs(), ""));
         let let_go = rows.chunk_by(|one, other| one.point == other.point).filter(|runs| !runs[0].every_mode_stable());
         let (let_go, points) = (let_go.count(), summary.len());
         if let_go > 0 {
@@ -76,11 +68,5 @@ impl Sweep {
         }
         ui.wrote(&files);
         Ok(())
-    }
-
-    /// Where it is kept: one folder for a question, so that asking again goes on.
-    fn folder(&self, question: &Provenance) -> PathBuf {
-        let usual = || Path::new("out/sweep").join(format!("{}-{}", self.scene.name(), sweep::tag(question)));
-        self.out.out.clone().unwrap_or_else(usual)
     }
 }

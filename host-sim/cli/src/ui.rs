@@ -20,7 +20,7 @@ use cohold_live::devices::Adapter;
 use cohold_plot::{Print, write_file};
 use cohold_report::{Columns, Files, Provenance, word};
 use cohold_sim::Laws;
-use cohold_studies::{campaign::laws::page, proof::Prover, reproduce::Paper};
+use cohold_studies::{campaign::laws::page, proof::Prover, reproduce::Paper, sweep::tag};
 
 use super::columns::TableKind;
 use super::number::number;
@@ -209,7 +209,7 @@ impl Ui {
     }
 
     /// Draws a figure beside a page, as a PNG of this name, and says where.
-    pub(crate) fn beside(page: &std::path::Path, name: &str, figure: &cohold_plot::Figure) -> Result<PathBuf, Failure> {
+    fn beside(page: &std::path::Path, name: &str, figure: &cohold_plot::Figure) -> Result<PathBuf, Failure> {
         let path = page.with_file_name(name);
         let painted = cohold_plot::paint(figure, Print::default(), "");
         let painted = painted.map_err(cohold_plot::Error::write(&path, "a figure"))?;
@@ -238,16 +238,22 @@ impl Ui {
         Ok(())
     }
 
-    /// Replaces the text between two lines in each of these pages that has them, and returns those pages.
-    pub(crate) fn rewrite(&self, files: &[PathBuf], lines: [&str; 2], text: &str) -> Result<Vec<PathBuf>, Failure> {
-        let mut written = Vec::new();
-        for file in files {
-            if let Ok(page) = page::with(&Self::page(file)?, lines, text) {
-                write_file(file, "Markdown", page.as_bytes(), Kind::Named)?;
-                written.push(file.clone());
+    /// Writes each of these texts between its two lines of the pages that have them, and the picture beside the pages that name it. Returns
+    /// the files.
+    pub(crate) fn rewrite(
+        pages: &[PathBuf],
+        parts: &[([&str; 2], String)],
+        picture: Option<(&str, &cohold_plot::Figure)>,
+    ) -> Result<Vec<PathBuf>, Failure> {
+        let mut written = pages.to_vec();
+        for file in pages {
+            let old = Self::page(file)?;
+            let page = parts.iter().fold(old, |page, (lines, text)| page::with(&page, *lines, text).unwrap_or(page));
+            write_file(file, "Markdown", page.as_bytes(), Kind::Named)?;
+            if let Some((name, figure)) = picture.filter(|(name, _)| page.contains(name)) {
+                written.push(Self::beside(file, name, figure)?);
             }
         }
-        self.wrote(&written);
         Ok(written)
     }
 
@@ -287,6 +293,12 @@ impl Ui {
     /// Whether files are written: always for people, and with `--json` into a folder that was asked for.
     pub fn writes(&self, out: &Out) -> bool {
         !self.json || out.out.is_some()
+    }
+
+    /// The folder in which the same question is continued: `--out`, or one in `out/`. None if no files are written.
+    pub(crate) fn kept(&self, out: &Out, usual: &str, question: &Provenance) -> Option<PathBuf> {
+        let usual = || format!("out/{usual}{}", tag(question)).into();
+        self.writes(out).then(|| out.out.clone().unwrap_or_else(usual))
     }
 
     /// What is going on, on standard error.

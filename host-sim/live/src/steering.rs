@@ -95,7 +95,7 @@ pub struct Snapshot {
     pub time_s: f64,
     /// Control periods in which its hand moved.
     pub tick: u64,
-    /// `calling`, `waiting`, `refused`, `armed`, `faulted`; `held` while it is not wanted armed.
+    /// `calling`, `waiting`, `refused`, `alone`, `armed`, `faulted`; `held` while it is not wanted armed. The motors are on in `alone` and `armed`.
     pub state: &'static str,
     /// What stopped it.
     pub fault: Option<String>,

@@ -87,14 +87,14 @@ pub struct Second {
     pub done_s: f64,
     /// Length of the whole experiment, s; 0 of one that goes on until it is stopped.
     pub of_s: f64,
-    /// `calling`, `waiting`, `refused`, `armed`, `faulted`.
+    /// `calling`, `waiting`, `refused`, `alone`, `armed`, `faulted`. The motors are on in `alone` and `armed`.
     pub state: &'static str,
     /// Who is at the other end.
     pub partner: String,
     /// Smoothed round trip of the link, µs; of a hub that of its slowest line.
     pub round_trip_us: Option<u32>,
-    /// Root of the mean square distance of the copies in this second, its largest, and by how much the clock may make it wrong.
-    pub true_discrepancy_mm: Option<f64>,
+    /// Root of the mean square distance of the copies in this second, mm.
+    pub rms_true_discrepancy_mm: Option<f64>,
     /// Largest distance of the copies in this second, mm.
     pub largest_true_discrepancy_mm: Option<f64>,
     /// Largest error of a distance of the copies that the clocks may cause, mm.
@@ -125,7 +125,7 @@ impl Second {
             words += &format!("  round trip {:.2} ms", f64::from(us) * 1e-3);
         }
         let clock = self.true_discrepancy_error_mm.unwrap_or_default();
-        if let (Some(rms), Some(largest)) = (self.true_discrepancy_mm, self.largest_true_discrepancy_mm) {
+        if let (Some(rms), Some(largest)) = (self.rms_true_discrepancy_mm, self.largest_true_discrepancy_mm) {
             words += &format!("  true discrepancy {rms:.3} mm rms, {largest:.3} at most (clocks ±{clock:.3})");
         }
         if let Some(share) = self.live_share {

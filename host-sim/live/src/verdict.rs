@@ -233,7 +233,8 @@ impl Judging {
     }
 }
 
-/// What a peer is at: `calling`, `waiting`, `refused`, `armed`, `faulted`.
+/// The state of a peer. The motors are on in `alone` (both ends have not been live yet) and in `armed`. They are off in `calling`,
+/// `waiting`, `refused` and `faulted`.
 pub(crate) fn state<const SHARED: usize, const N: usize, D: Device<f32, N> + ?Sized>(
     node: &Node<SHARED, N, D>,
     judging: Option<&Judging>,
@@ -242,6 +243,7 @@ pub(crate) fn state<const SHARED: usize, const N: usize, D: Device<f32, N> + ?Si
         Mode::Faulted(_) => "faulted",
         _ if node.gone().is_some() => "faulted",
         Mode::Armed if node.is_moving() => "armed",
+        Mode::Armed => "alone",
         Mode::Disarmed if judging.is_some_and(|judging| judging.refuses().is_some()) => "refused",
         _ if node.line.link.is_up() => "waiting",
         _ => "calling",

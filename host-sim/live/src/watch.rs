@@ -323,7 +323,7 @@ impl Watch {
             state: state(node, judging),
             partner: self.partner.clone(),
             round_trip_us: link.clock().round_trip_us(),
-            true_discrepancy_mm: mm(sum.rms_m()),
+            rms_true_discrepancy_mm: mm(sum.rms_m()),
             largest_true_discrepancy_mm: mm(sum.largest_m()),
             true_discrepancy_error_mm: mm(sum.error_m()),
             clock_error_us: relation.map(|relation| 1e6 * relation.error_s(time_s)),

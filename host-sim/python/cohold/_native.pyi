@@ -523,7 +523,8 @@ class LivePeer:
     (right); `listen` and `connect` are where this end and the other one are, `key` is the key file that both have (`generate_key`).
     `device` is what `--device` takes, or an object with `read` and `write` (docs/guides/python.md); what else is told of it has the names of the
     command's flags, as device_axes. Without `seconds` it goes on until it is stopped, and the means of its report are of the whole run.
-    With `arm=False` it waits for `arm()`. What ends the object lets go.
+    With `arm=False` it waits for `arm()`. The user of a built-in scene does not push, unless `settings` has a push. What ends the
+    object lets go.
 
     Raises ValueError for what is not allowed, and OSError for a file or an address that cannot be opened.
     """

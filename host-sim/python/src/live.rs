@@ -45,7 +45,8 @@ pub(crate) struct LiveState {
     time_s: f64,
     /// Control periods in which its hand moved.
     tick: u64,
-    /// calling, waiting (for the other end, a verdict or arming), refused, armed, faulted; held while it is not wanted armed.
+    /// calling, waiting (for the other end, a verdict or arming), refused, alone, armed, faulted; held while it is not wanted armed. The
+    /// motors are on in alone (both ends have not been live yet) and in armed.
     mode: &'static str,
     /// What stopped it.
     fault: Option<String>,
@@ -84,7 +85,8 @@ impl LiveState {
 /// (right); `listen` and `connect` are where this end and the other one are, `key` is the key file that both have (`generate_key`).
 /// `device` is what `--device` takes, or an object with `read` and `write` (docs/guides/python.md); what else is told of it has the names of the
 /// command's flags, as device_axes. Without `seconds` it goes on until it is stopped, and the means of its report are of the whole run.
-/// With `arm=False` it waits for `arm()`. What ends the object lets go.
+/// With `arm=False` it waits for `arm()`. The user of a built-in scene does not push, unless `settings` has a push. What ends the
+/// object lets go.
 ///
 /// Raises ValueError for what is not allowed, and OSError for a file or an address that cannot be opened.
 #[pyclass(module = "cohold", frozen, weakref)]
@@ -186,7 +188,12 @@ impl LivePeer {
         }
         let over = scene.cast::<PyDict>().ok();
         let named = PyString::new(py, "any-network");
-        let mut scene = Scene { scene: meant(if over.is_some() { named.as_any() } else { scene })? };
+        let named = if over.is_some() { named.as_any() } else { scene };
+        let mut scene = Scene { scene: meant(named)? };
+        // The program is the user, and that of a built-in scene does not push.
+        if named.is_instance_of::<PyString>() {
+            scene.scene.set_number(&format!("user.{number}.push_n"), 0.0).map_err(refused)?;
+        }
         for (key, value) in over.into_iter().chain(settings).flatten() {
             scene.put(&key.extract::<String>()?, &value)?;
         }

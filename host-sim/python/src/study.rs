@@ -43,7 +43,7 @@ pub(crate) struct Study {
 /// A text as the command line takes it, with the built-in laws or else with those that Python has added.
 fn entrant(py: Python<'_>, text: String) -> PyResult<Entrant> {
     here(py, move |_| {
-        let of = |laws: Laws| Entrant::of(laws, &text, None, &[], None);
+        let of = |laws: Laws| Entrant::of(laws, &text, None, &[]);
         of(cohold_guest_laws::laws()).or_else(|_| of(laws())).map_err(refused)
     })
 }

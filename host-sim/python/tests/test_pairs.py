@@ -46,7 +46,7 @@ def test_beginning_anew_is_a_new_pair():
 
 def test_the_motor_presses_back_what_the_hand_pushes():
     """At rest a motor holds its hand: user 1's push of 1 N along x is met by -1 N, user 2's the other way by +1 N."""
-    pairs = cohold.Pairs(cohold.Scene("any-network"), 2)
+    pairs = cohold.Pairs(cohold.Scene("any-network", {"user.1.push_n": 0.0, "user.2.push_n": 0.0}), 2)
     seen = pairs.steps(np.ones((2, 2)), 20_000)
     at = [cohold.Pairs.COLUMNS.index(f"motor_{peer}_n") for peer in (1, 2)]
     assert np.allclose(seen[:, at], [-1.0, 1.0], atol=1e-3)

@@ -22,24 +22,19 @@ use cohold_cli::road::Met;
 use cohold_cli::{Failure, SceneArgs, Ui};
 
 use super::{
-    At, Boards, End, EnvironmentKind, HAND, Model, Opened, OpenedPage, Page, Place, Role, Shown, measure,
-    moving_picture,
+    At, Boards, End, EnvironmentKind, HAND, Model, Opened, OpenedPage, Page, Place, Role, Shown, moving_picture,
 };
-
-/// How long each run of `--measure` takes where nobody says, s.
-const MEASURED_S: f64 = 10.0;
 
 cohold_cli::commands! {
     /// Beside the heart's.
     pub(crate) PageCommands {
         /// Hold the object yourself, on a page in your browser.
-        #[command(display_order = 1)]
         Play(Play),
     }
 }
 
 #[derive(Debug, Args)]
-#[command(mut_arg("scene", |scene| scene.help("Scene file (TOML) or the name of a built-in scene; without it, any-network")))]
+#[command(mut_arg("scene", |scene| scene.help("Scene file (TOML) or built-in scene [default: any-network at rest]")))]
 pub(super) struct Play {
     #[command(flatten)]
     scene: SceneArgs,
@@ -63,7 +58,7 @@ pub(super) struct Play {
     #[arg(long, value_name = "FILE")]
     key_file: Option<PathBuf>,
     /// A recording (MCAP) of `play`, `peer`, `cooperate` or `recording merge A B OUT.mcap`, looked at on the same page.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["listen", "join", "board", "record", "measure", "scene", "set", "seed", "key_file", "number"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["listen", "join", "board", "record", "scene", "set", "seed", "key_file", "number"])]
     open: Option<PathBuf>,
     /// Which peer this is, 1 or 2; without it, who listens is 1 and who joins is 2.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=2))]
@@ -78,7 +73,7 @@ pub(super) struct Play {
     port: u16,
     /// Serve hands and onlookers on the local network as well, at this address of the machine (without one, at its only private address):
     /// a phone scans the code and is the second hand. Not encrypted.
-    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, conflicts_with_all = ["board", "measure"])]
+    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, conflicts_with = "board")]
     #[expect(clippy::option_option, reason = "not at all, without an address, at an address")]
     lan: Option<Option<Ipv4Addr>>,
     /// End after so long, s; without it at Ctrl-C.
@@ -89,9 +84,6 @@ pub(super) struct Play {
     /// Write three laws on a bad network as a moving picture to FILE.svg, and nothing else.
     #[arg(long, value_name = "FILE.svg")]
     picture: Option<PathBuf>,
-    /// Print how many ticks are late without windows, with two, and with ten and three that misbehave, and nothing else.
-    #[arg(long)]
-    measure: bool,
 }
 
 impl Play {
@@ -100,9 +92,6 @@ impl Play {
             return self.look_at(file, ui);
         }
         let ((scene, provenance), stop) = (self.fitted(ui, &self.scene)?, Stop::on_signals()?);
-        if self.measure {
-            return ui.result(&measure(&scene, self.seconds.unwrap_or(MEASURED_S), &stop)?);
-        }
         if let Some(file) = &self.picture {
             if file.extension().is_none_or(|ending| ending != "svg") {
                 return Err(format!("--picture {}: its name must end in .svg", file.display()).into());
@@ -154,6 +143,7 @@ impl Play {
 
     /// This scene as what is shown first has it, and the settings that a recording says.
     fn fitted(&self, ui: &Ui, scene: &SceneArgs) -> Result<(Scene, Provenance), Failure> {
+        // Whoever opens a page without a scene is to push it alone.
         let scene = scene.load_or(ui, "any-network")?;
         let fitting = self.environment(ui).map_or_else(|| Ok(scene.clone()), |kind| kind.fitting(scene.clone()))?;
         let provenance = ui.provenance().settings(fitting.settings());
@@ -180,7 +170,7 @@ impl Play {
 
     /// What is shown first: what is asked for; a picture where nothing is said of what to hold; else what the scene says.
     fn environment(&self, ui: &Ui) -> Option<EnvironmentKind> {
-        let said = !self.scene.is_plain() || self.partner.is_some() || self.record.record.is_some() || self.measure;
+        let said = !self.scene.is_plain() || self.partner.is_some() || self.record.record.is_some();
         let elsewhere = self.key_file.is_some() || !self.board.is_empty() || ui.meeting.is_given();
         self.environment.or_else(|| (!said && !elsewhere).then_some(EnvironmentKind::Delay))
     }

@@ -26,7 +26,6 @@
 //! | [`doors`], [`cohold_homes::qr`] | this machine, and a local network where that is asked for, with a code to scan |
 //! | [`web`] | the page's files, and a WebSocket for each window |
 //! | [`page`] | all of that together |
-//! | [`measure`] | how well the control loop keeps time with ten pages open |
 //!
 //! **Threads.** The control loop has one, the judge one, each window one. The control loop waits for nobody: it only
 //! tries the mailbox's lock, and what it could not lay down now it lays down a tick later. A window is sent what it
@@ -44,7 +43,6 @@ mod judge;
 mod kinds;
 mod line_words;
 mod mailbox;
-mod measure;
 mod messages;
 mod moving_picture;
 mod opened;
@@ -70,7 +68,6 @@ pub(crate) use command::PageCommands;
 use control_loop::channels;
 use judge::HAND;
 use kinds::EnvironmentKind;
-use measure::measure;
 use moving_picture::moving_picture;
 use opened::Opened;
 use opened_page::OpenedPage;
@@ -83,6 +80,10 @@ use roles::Role;
 pub(crate) fn tables() -> Vec<TableKind> {
     channels("/both/ticks").into_iter().map(|channel| TableKind::of("play", channel)).collect()
 }
+
+#[cfg(test)]
+#[path = "../../tests/inside/measure.rs"]
+mod measure;
 
 #[cfg(any(test, fuzzing))]
 #[path = "../../fuzz/src/page.rs"]

@@ -12,7 +12,7 @@
 //! [`NEAR_TICKS`] away.
 //!
 //! **What happened.** A sample has mode and fault of both peers behind the columns of its environment, no numbers where the recording does not
-//! say them. The page opens at the first fault, or else at the beginning, and marks the lines of the recording's log.
+//! say them. The page opens at the first fault, or else where the copies were farthest apart. It marks that place and the lines of the recording's log.
 
 use std::path::Path;
 
@@ -56,8 +56,8 @@ pub(crate) struct Opened {
     file: String,
     /// Where the other copy was is only what its peer told now and then.
     told: bool,
-    /// The first tick with a fault, if there is one.
-    fault: Option<usize>,
+    /// The tick at which the page opens.
+    begin: usize,
     /// Tick, whether it stopped somebody, and words of each line of the log.
     marks: Vec<(usize, bool, String)>,
     /// What made it: a scene file.
@@ -113,11 +113,21 @@ impl Opened {
             let words = format!("{:.60}: {:.300}", line.who, line.words);
             (tick, line.level >= ERROR, words)
         };
+        let mut marks: Vec<_> = recording.log().take(MOST_LINES).map(mark).collect();
+        let axes = axes(kind);
+        let apart = numbers.chunks_exact(width).map(|sample| apart_mm(&axes, sample));
+        let farthest =
+            apart.enumerate().filter(|(_, mm)| *mm > 0.0).max_by(|(_, one), (_, other)| one.total_cmp(other));
+        if let Some((tick, mm)) = farthest {
+            let words = format!("the copies were farthest apart here: {mm:.1} mm");
+            marks.insert(marks.partition_point(|(at, ..)| *at <= tick), (tick, false, words));
+        }
+        let fault = numbers.chunks_exact(width).position(is_fault);
         let time_s = first.rows.column("time_s").and_then(|times| times.first().copied());
         Ok(Self {
             kind,
-            fault: numbers.chunks_exact(width).position(is_fault),
-            marks: recording.log().take(MOST_LINES).map(mark).collect(),
+            begin: fault.or(farthest.map(|(tick, _)| tick)).unwrap_or_default(),
+            marks,
             numbers,
             width,
             period_s,
@@ -156,7 +166,7 @@ impl Opened {
             "unix_s": self.unix_s,
             "told": self.told,
             "columns": MODES.map(|(name, unit, means)| json!({ "name": name, "unit": unit, "means": means })),
-            "fault": self.fault,
+            "begin": self.begin,
             "marks": self.marks,
             "overview_mm": self.overview_mm(),
             "left_out": self.left_out,
@@ -180,18 +190,11 @@ impl Opened {
 
     /// How far the copies were apart at the most in each part of the whole, mm; of what is no pair, nothing.
     fn overview_mm(&self) -> Vec<f32> {
-        let columns = self.kind.columns();
-        let at = |name: &str| columns.iter().position(|(known, ..)| *known == name);
-        let axis = |suffix: &str| Some([at(&format!("object_1{suffix}"))?, at(&format!("object_2{suffix}"))?]);
-        let axes: Vec<_> = SUFFIXES.into_iter().map_while(axis).collect();
+        let (axes, ticks) = (axes(self.kind), self.ticks());
         if axes.is_empty() {
             return Vec::new();
         }
-        let apart = |sample: &[f32]| {
-            let square = |[one, two]: &[usize; 2]| (f64::from(sample[*one]) - f64::from(sample[*two])).powi(2);
-            1e3 * axes.iter().map(square).sum::<f64>().sqrt()
-        };
-        let ticks = self.ticks();
+        let apart = |sample: &[f32]| apart_mm(&axes, sample);
         let part = |part: usize| {
             let [from, to] = [part, part + 1].map(|part| part * ticks / PARTS * self.width);
             // A distance that is no number is none: `max` leaves it out.
@@ -199,6 +202,19 @@ impl Opened {
         };
         (0..PARTS).map(part).collect()
     }
+}
+
+/// Columns of both copies, along each axis.
+fn axes(kind: EnvironmentKind) -> Vec<[usize; 2]> {
+    let at = |name: &str| kind.columns().iter().position(|(known, ..)| *known == name);
+    let axis = |suffix: &str| Some([at(&format!("object_1{suffix}"))?, at(&format!("object_2{suffix}"))?]);
+    SUFFIXES.into_iter().map_while(axis).collect()
+}
+
+/// Distance of both copies, mm.
+fn apart_mm(axes: &[[usize; 2]], sample: &[f32]) -> f64 {
+    let square = |[one, two]: &[usize; 2]| (f64::from(sample[*one]) - f64::from(sample[*two])).powi(2);
+    1e3 * axes.iter().map(square).sum::<f64>().sqrt()
 }
 
 /// A channel, and where its numbers go.

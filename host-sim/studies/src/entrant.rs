@@ -21,20 +21,14 @@ pub struct Entrant {
 
 impl Entrant {
     /// `SCENE|LAW[,TABLE.KEY=VALUE…]`: a built-in scene, a file, or a law at the gains that it declares, in this scene or that of the
-    /// campaign; `first` is set before what stands behind the name, `last` after it.
+    /// campaign; `first` is set before what stands behind the name.
     ///
     /// # Errors
     /// A scene or law that there is not, or a setting that it does not accept.
-    pub fn of(
-        laws: Laws,
-        text: &str,
-        scene: Option<&Path>,
-        first: &[String],
-        last: Option<String>,
-    ) -> Result<Self, Error> {
+    pub fn of(laws: Laws, text: &str, scene: Option<&Path>, first: &[String]) -> Result<Self, Error> {
         let mut parts = text.split(',').map(str::trim);
         let name = parts.next().unwrap_or_default();
-        let settings: Vec<String> = first.iter().cloned().chain(parts.map(str::to_owned)).chain(last).collect();
+        let settings: Vec<String> = first.iter().cloned().chain(parts.map(str::to_owned)).collect();
         let law = laws.all().iter().find(|law| law.name == name);
         let found = match law {
             Some(law) => law_scene(laws, law, scene, &settings),

@@ -29,7 +29,7 @@ fn a_peer_holds_an_emulated_device_until_it_falls_silent() {
     let mut first = peer("any-network", "1", &one, &two, &keys.file(0));
     first.args(&words).args(["--device-silent-s", "0.2", "--seconds", "60"]);
     let mut second = peer("any-network", "2", &two, &one, &keys.file(0));
-    second.args(["--seconds", "60"]);
+    second.args(["--seconds", "60", "--set", "user.2.push_n=0"]);
     let [first, mut second] = [first, second].map(Running::start);
     second.until(" s  armed, ");
     let (ended, live, said) = first.end();

@@ -24,7 +24,8 @@ fn the_papers_verdicts() {
     }
 }
 
-/// At the delay of the recommended scene five laws are unstable at the gains that they declare, if nobody holds the object. The menu asks before
+/// At the delay of the recommended scene ten laws are unstable at the gains that they declare, if nobody holds the object; five of them have an
+/// energy tank that may hold back what grows. The menu asks before
 /// one of them is set, and names the gain that holds; so it does for a law whose damper is taken away.
 #[test]
 fn a_law_that_comes_up_unstable_is_asked_about() {
@@ -32,7 +33,10 @@ fn a_law_that_comes_up_unstable_is_asked_about() {
     let with = |law: &str| apply(&begun, &format!("law {law}")).expect(law);
     let laws = begun.laws.all().iter().map(|law| law.name);
     let unstable: Vec<_> = laws.filter(|law| find(&with(law)).stable == Some(false)).collect();
-    assert_eq!(unstable, ["power", "wave", "passive-wave", "average-position", "deadband"]);
+    let five = ["set-position", "passive-spring", "two-layer", "passive-deadband", "passivity-observer"];
+    let (tanks, others): (Vec<&str>, Vec<&str>) = unstable.iter().partition(|law| five.contains(law));
+    assert_eq!(others, ["power", "wave", "passive-wave", "average-position", "deadband"]);
+    assert_eq!(tanks.len(), five.len(), "{tanks:?}");
     let weak = "four-channel four_channel.local_damping_n_s_per_m=0 coordination.damping_n_s_per_m=2";
     for law in unstable.into_iter().chain([weak]) {
         let found = find(&with(law));

@@ -103,7 +103,7 @@ fn the_first_fault_is_found() {
         assert!(at(4).is_nan() && at(3).is_nan(), "nobody knows of peer 1");
         (at(2) == mode as f32, at(1))
     });
-    assert_eq!((modes, faults, opened.fault), ((true, 0.0), (true, 3.0), Some(40)));
+    assert_eq!((modes, faults, opened.begin), ((true, 0.0), (true, 3.0), 40));
     assert_eq!(opened.hello()["columns"][2]["name"], "mode_2");
 }
 

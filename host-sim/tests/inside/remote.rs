@@ -6,7 +6,14 @@ use super::*;
 type One = Remote<1, { cohold_sim::AXES }>;
 
 fn pair(scene: &str, to: &str) -> [One; 2] {
-    ends([scene, to].map(|name| scenes::load(cohold_guest_laws::laws(), name).expect("a scene")))
+    ends([scene, to].map(still))
+}
+
+/// The scene of this name, whose users do nothing here.
+fn still(name: &str) -> Scene {
+    let mut scene = scenes::load(cohold_guest_laws::laws(), name).expect("a scene");
+    scene.users = Default::default();
+    scene
 }
 
 fn ends<const SHARED: usize, const N: usize>([here, there]: [Scene; 2]) -> [Remote<SHARED, N>; 2]
@@ -109,7 +116,7 @@ fn other_settings_are_refused() {
 #[test]
 fn two_ends_hold_one_object_in_the_plane() {
     let plane = || {
-        let mut scene = scenes::load(cohold_guest_laws::laws(), "any-network").expect("a scene");
+        let mut scene = still("any-network");
         (scene.peer.axis.count, scene.peer.axis.shared) = (2, 2);
         scene
     };
@@ -137,7 +144,7 @@ fn windows_are_told_of_the_path_and_of_what_the_line_can_hold() {
     std::thread::scope(|scope| {
         scope.spawn(|| meet.run(60.0, &stop));
         let mut ends = [1, 2].map(|number| {
-            let scene = scenes::load(cohold_guest_laws::laws(), "any-network").expect("a scene");
+            let scene = still("any-network");
             let end =
                 End::meeting(&meeting, Key::new([7; Key::LEN]), number, Some("012 345".into())).expect("a socket");
             One::new(scene, end).expect("an end")
@@ -168,7 +175,7 @@ fn windows_are_told_of_the_path_and_of_what_the_line_can_hold() {
 /// Two ends over whose line a judge finds their scene unstable.
 fn judged_unstable(unless: Option<&'static str>) -> [One; 2] {
     let key = || Key::new([7; Key::LEN]);
-    let scene = || scenes::load(cohold_guest_laws::laws(), "any-network").expect("a scene");
+    let scene = || still("any-network");
     let verdict = |measured: Measured| Verdict {
         one_way_ms: measured.one_way_s.map(|s| 1e3 * s),
         stable: Some(false),

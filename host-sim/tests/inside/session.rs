@@ -8,6 +8,13 @@ fn session(name: &str, partner: Model) -> Session<1, { cohold_sim::AXES }> {
     Session::new(scenes::load(cohold_guest_laws::laws(), name).expect("a scene"), partner).expect("a session")
 }
 
+/// The scene `any-network`, whose users do nothing here.
+fn any_network() -> Scene {
+    let mut scene = scenes::load(cohold_guest_laws::laws(), "any-network").expect("a scene");
+    scene.users = Default::default();
+    scene
+}
+
 fn column(sample: &Sample, name: &str) -> f64 {
     f64::from(sample[columns(3).iter().position(|(known, ..)| *known == name).expect("a column")])
 }
@@ -46,7 +53,7 @@ fn without_hands_it_is_the_simulators_pair() {
 /// both contacts, and what the line's tautness leaves of both K_T and of its round trip over its impedance (THEORY §4 and §15).
 #[test]
 fn two_hands_pull_on_one_chain() {
-    let mut session = session("any-network", Model::Resists);
+    let mut session = Session::<1, { cohold_sim::AXES }>::new(any_network(), Model::Resists).expect("a session");
     let sample = carry(&mut session, 4000, Some(0.02));
     let compliance = 2.0 / 200.0 + 2.0 / 1000.0 + (1.0 - 0.9) * (2.0 / 10000.0 + 0.016 / 60.0);
     let [hand_1, hand_2] = ["hand_1", "hand_2"].map(|name| column(&sample, name));
@@ -101,7 +108,7 @@ fn a_fault_ends_it() {
 /// A delay that is set in flight is that of the packets sent from then on; nothing starts anew.
 #[test]
 fn the_network_changes_in_flight() {
-    let mut session = session("any-network", Model::Follows);
+    let mut session = Session::<1, { cohold_sim::AXES }>::new(any_network(), Model::Follows).expect("a session");
     let before = carry(&mut session, 1000, Some(0.03));
     let mut slower = session.scene.clone();
     (slower.world.network.one_way_delay_packets, slower.world.network.extra_delay_s) = (0, 0.050);
@@ -116,7 +123,7 @@ fn the_network_changes_in_flight() {
 /// A gain starts both anew where they are, and what a pointer says of the world before is nothing.
 #[test]
 fn a_gain_starts_both_anew_where_they_are() {
-    let mut session = session("any-network", Model::Follows);
+    let mut session = Session::<1, { cohold_sim::AXES }>::new(any_network(), Model::Follows).expect("a session");
     let before = carry(&mut session, 2000, Some(0.04));
     let mut softer = session.scene.clone();
     softer.peer.coordination.stiffness_n_per_m = 5000.0;
@@ -163,7 +170,7 @@ fn a_cut_line_leaves_each_alone() {
 /// Ends of travel: a strong hand gets a device no further than they give, F/k.
 #[test]
 fn a_device_stays_within_its_travel() {
-    let mut session = session("any-network", Model::Absent);
+    let mut session = Session::<1, { cohold_sim::AXES }>::new(any_network(), Model::Absent).expect("a session");
     let sample = carry(&mut session, 6000, Some(0.2));
     // Both ends push back: the devices hold one object.
     let most = REACH_M + cohold_live::hand::STRENGTH / END_STIFFNESS;
@@ -175,11 +182,11 @@ fn a_device_stays_within_its_travel() {
 #[test]
 fn each_axis_of_the_plane_is_one_axis() {
     let fitting = |axes: u32| {
-        let mut scene = scenes::load(cohold_guest_laws::laws(), "any-network").expect("a scene");
+        let mut scene = any_network();
         (scene.peer.axis.count, scene.peer.axis.shared) = (axes, axes);
         scene
     };
-    let mut one = session("any-network", Model::Resists);
+    let mut one = Session::<1, { cohold_sim::AXES }>::new(any_network(), Model::Resists).expect("a session");
     let mut plane = Session::<2, 2>::new(fitting(2), Model::Resists).expect("a session");
     let mut space = Session::<3, 3>::new(fitting(3), Model::Resists).expect("a session");
     for tick in 0..3000 {

@@ -18,7 +18,8 @@ fn folder(name: &str) -> PathBuf {
 fn anybody_s_law_on_anybody_s_network() {
     let folder = folder("one");
     let [page, front, bare] = ["page.md", "front.md", "bare.md"].map(|name| folder.join(name));
-    fs::write(&page, "before\n<!-- bench begin -->\nold\n<!-- bench end -->\nafter\n").expect("a page");
+    fs::write(&page, "before\nlaws-bench.png\n<!-- bench fronts begin -->\nold\n<!-- bench fronts end -->\nafter\n")
+        .expect("a page");
     fs::write(&front, "before\n<!-- chooser begin -->\nold\n<!-- chooser end -->\nafter\n").expect("a page");
     fs::write(&bare, "nothing\n").expect("a page");
     let trace = Path::new(env!("CARGO_MANIFEST_DIR")).join("sim/tests/data/irtt.json");
@@ -70,7 +71,9 @@ fn anybody_s_law_on_anybody_s_network() {
     let text = fs::read_to_string(&front).expect("the page");
     assert!(text.starts_with("before\n") && text.ends_with("after\n") && text.contains("under pushes"), "{text}");
     let quick = ["study", "bench", "--law", "p-plus-d", "--budget", "1", "--searches", "1", "--seeds", "1", "--page"];
-    for (words, line) in [(&quick[..], "bench begin"), (&["study", "laws", "power", "--page"], "laws felt begin")] {
+    for (words, line) in
+        [(&quick[..], "bench fronts begin"), (&["study", "laws", "power", "--page"], "laws felt begin")]
+    {
         let refused = cohold(words).arg(&bare).output().expect("cohold runs");
         let said = String::from_utf8_lossy(&refused.stderr);
         assert!(refused.status.code() == Some(2) && said.contains(line), "{said}");

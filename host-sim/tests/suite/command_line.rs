@@ -281,18 +281,18 @@ fn a_stroke_around_an_object() {
     }
 }
 
-/// Every command has a line of its own in the help.
+/// Every command has a line of its own in the help, under a heading, in a terminal of 100 columns.
 #[test]
 fn commands_are_listed() {
     let output = Command::new(env!("CARGO_BIN_EXE_cohold")).arg("--help").output().expect("cohold runs");
     let help = String::from_utf8(output.stdout).expect("text");
-    let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
-    // What is further in goes on with the line above.
-    let begins = |line: &&str| line.starts_with("  ") && !line.starts_with("   ");
-    let names: Vec<&str> = listed.filter(begins).filter_map(|line| line.split_whitespace().next()).collect();
-    let want =
-        "paper cooperate play scene stability study accuracy peer devices recording key board network shared meet";
+    let listed = help.lines().skip_while(|line| !line.starts_with("Usage:")).skip(2);
+    let listed: Vec<&str> = listed.take_while(|line| *line != "Options:").filter(|line| !line.is_empty()).collect();
+    let names: Vec<&str> = listed.iter().map(|line| line.split("  ").find(|word| !word.is_empty()).unwrap()).collect();
+    let want = "Simulate and see: play cooperate scene paper Analyse and compare: stability study accuracy Connect real peers: \
+                peer meet shared network key Use devices and boards: devices board Read data: recording";
     assert_eq!(names.join(" "), want);
+    assert!(listed.iter().all(|line| line.len() <= 100), "{listed:#?}");
 }
 
 /// What can be named is listed wherever a scene or a world is asked for, whatever else is missing there.

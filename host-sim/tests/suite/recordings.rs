@@ -344,7 +344,7 @@ fn live_commands_talk_and_record() {
     let last = of("second").pop().expect("a second");
     assert_eq!((last["state"].as_str(), last["fault"].is_null()), (Some("armed"), true), "{last}");
     for (key, most) in [
-        ("true_discrepancy_mm", 5.0),
+        ("rms_true_discrepancy_mm", 5.0),
         ("largest_true_discrepancy_mm", 5.0),
         ("true_discrepancy_error_mm", 0.5),
         ("clock_error_us", 2000.0),

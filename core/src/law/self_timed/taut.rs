@@ -19,7 +19,7 @@ use crate::settings::{Key, Settings};
 pub const TAUTNESS: Key = Key::number("coordination.tautness", 0.0, [0.0, 1.5], "")
     .means("Self-timed line: share of what line and spring give way under a lasting force that is taken back.");
 pub(super) const SLOWNESS: Key = Key::number("coordination.taut_s", 0.5, [0.001, 10.0], "s")
-    .means("Self-timed line: time constant τ at least with which it is taken back; motions faster than 0.22/τ are damped by it.");
+    .means("Self-timed line: time constant τ at least with which it is taken back; motions faster than 0.225/τ are damped by it.");
 
 /// τ as a multiple of the line's delay.
 const SLOWER: f64 = 1.8;

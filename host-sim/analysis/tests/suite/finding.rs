@@ -94,7 +94,10 @@ fn what_is_not_judged_says_why() {
     };
     not_judged(&measured(&scene("any-network", &[]), [0.04, 0.045]), "more than 40 packets in flight");
     not_judged(&measured(&scene("plane", &[]), [0.02, 0.021]), "more than 10 packets in flight");
-    not_judged(&scene("any-network", &["coordination.comm=two-layer"]), "the law's energy tank may hold back");
+    // An energy tank may hold back what grows: that is left out, and no reason to arm.
+    let tank = find(&scene("any-network", &["coordination.comm=two-layer"]), QUESTION);
+    assert_eq!(tank.stable, Some(false), "{tank:?}");
+    assert!(tank.not_judged.iter().any(|left_out| left_out.contains("energy tank")), "{tank:?}");
     // Of a hub's scene what only waves have is off.
     let of_law = |name: &str| {
         let waves = ["coordination.ledger=false", "coordination.drift_correction=false"].map(str::to_owned);

@@ -156,7 +156,7 @@ impl HubWatch {
             state: if hub.packets.is_some() { "meeting" } else { "waiting" },
             partner: format!("{up} of {} lines", self.clocks.len()),
             round_trip_us,
-            true_discrepancy_mm: mm(sum.rms_m()),
+            rms_true_discrepancy_mm: mm(sum.rms_m()),
             largest_true_discrepancy_mm: mm(sum.largest_m()),
             true_discrepancy_error_mm: mm(sum.error_m()),
             clock_error_us: error_s.map(|error_s| 1e6 * error_s),

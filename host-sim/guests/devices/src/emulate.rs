@@ -48,7 +48,7 @@ enum Kind {
 /// A device that is not there, with a hand on it that does what the scene's user does (`user.N.…`: pushes, sines, traces, an arm that reaches and
 /// trembles; `clutch_…` presses button a), until Ctrl-C. Prints the words by which `cohold` attaches it.
 #[derive(Debug, Args)]
-#[command(mut_arg("scene", |scene| scene.default_value("any-network")))]
+#[command(mut_arg("scene", |scene| scene.help("Scene file (TOML) or built-in scene [default: any-network at rest]")))]
 pub struct Emulate {
     /// Which device.
     #[arg(value_name = "DEVICE")]
@@ -142,7 +142,7 @@ impl Emulate {
         }
         // A device has a processor of its own: what serves here runs beside peers that have to be in time. Its threads inherit this.
         realtime_beneath();
-        let device = self.start(&self.scene.over(self.number, &self.beneath())?.load(ui)?)?;
+        let device = self.start(&self.scene.over(self.number, &self.beneath())?.load_or(ui, "any-network")?)?;
         let words = device.words().join(" ");
         ui.status(format_args!("it serves; attach it with\n    {words}"));
         let mut planted: Vec<Planted> = Vec::new();

@@ -24,7 +24,7 @@ use crate::{invitation, meet};
 cohold_cli::commands! {
     /// Beside the heart's.
     pub MeetCommands {
-        /// Run a rendezvous server for two homes, with STUN and a relay that cannot read the traffic.
+        /// Run a rendezvous server for two homes, with a relay that cannot read the traffic.
         Meet(Meet),
     }
 }

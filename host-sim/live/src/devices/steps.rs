@@ -229,14 +229,14 @@ impl<'a> Trial<'a> {
         let told_mm = 1e3 * self.moved[0];
         cohold_sim::refuse_if!(
             (told_mm / asked_mm + 1.0).abs() <= SCALE_OFF,
-            "moved toward +x it told {told_mm:.1} mm: its x points the other way"
+            "moved toward +x it reported {told_mm:.1} mm: its x points the other way"
         );
         cohold_sim::refuse_if!(
             !within(told_mm / asked_mm - 1.0, SCALE_OFF) || aside_m > 0.5 * self.distance_m,
-            "moved by {asked_mm:.0} mm along x it told {told_mm:.1} mm, and {:.1} mm aside",
+            "moved by {asked_mm:.0} mm along x it reported {told_mm:.1} mm, and {:.1} mm aside",
             1e3 * aside_m
         );
-        Ok(format!("moved by {asked_mm:.0} mm it told {told_mm:.1} mm, and {:.1} mm aside", 1e3 * aside_m))
+        Ok(format!("moved by {asked_mm:.0} mm it reported {told_mm:.1} mm, and {:.1} mm aside", 1e3 * aside_m))
     }
 
     fn speed(&mut self) -> Result<String, Error> {
@@ -267,6 +267,11 @@ impl<'a> Trial<'a> {
     fn watchdog(&mut self) -> Result<String, Error> {
         let silence = Duration::from_secs_f64(self.port.abilities().lets_go_s.unwrap_or_default()) + 20 * TICK;
         let silence_ms = 1e3 * silence.as_secs_f64();
+        let pushes = format!(
+            "the device pushes from here on, with up to {PUSH_N} N. Keep the switch of its supply within reach. Hold its hand loosely, or release it"
+        );
+        (self.please)(&pushes)?;
+        self.rest()?;
         let [pushes, left] = self
             .no_more(|this| this.acts(silence))
             .map_err(|why| format!("{why}, {silence_ms:.0} ms after the last word to it"))?;
@@ -288,7 +293,7 @@ impl<'a> Trial<'a> {
             }
             cohold_sim::refuse_if!(
                 begun.elapsed() >= RETURNS,
-                "let go of, it has told no new place for {} s",
+                "after its release it reported no new position for {} s",
                 RETURNS.as_secs()
             );
         }
@@ -324,7 +329,7 @@ impl<'a> Trial<'a> {
             std::thread::sleep(20 * TICK);
             this.acts(Duration::ZERO)
         })?;
-        Ok(format!("of {pushes:.4}, {left:.4} was left 20 ms after it was told to let go"))
+        Ok(format!("of {pushes:.4}, {left:.4} was left 20 ms after the order to release"))
     }
 
     fn hangs(&mut self) -> Result<String, Error> {

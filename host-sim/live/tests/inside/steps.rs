@@ -56,5 +56,5 @@ fn a_device_whose_line_comes_up_late_is_waited_for() {
 fn a_device_that_does_not_come_back_is_not_waited_for_without_end() {
     let begun = Instant::now();
     let why = rests(Duration::from_secs(3_600)).0.expect_err("it is not back").to_string();
-    assert!(why.contains("no new place for 2 s") && begun.elapsed() < 2 * RETURNS, "{why}");
+    assert!(why.contains("no new position for 2 s") && begun.elapsed() < 2 * RETURNS, "{why}");
 }

@@ -81,6 +81,7 @@ fn sealed_peers_of_several_axes_come_to_what_a_run_comes_to() {
 /// Both push toward each other with 1 N for 30 s from `from_s` on, on the recommended scene, through a line of so long, s.
 fn pushing(from_s: f64, delay_s: f64) -> Scene {
     let mut scene = scenes::load(Laws::built_in(), "any-network").expect("built in");
+    scene.users = Default::default();
     // Tests run side by side, and each has its own.
     let own = format!("pushing-{from_s}-{:?}.csv", std::thread::current().id());
     let trace = Path::new(env!("CARGO_TARGET_TMPDIR")).join(own);

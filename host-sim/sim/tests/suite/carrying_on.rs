@@ -59,6 +59,7 @@ const SEEDS: u64 = 20;
 
 fn scene(settings: &[&[&str]], network: Option<(&str, &str)>, seed: u64) -> Scene {
     let mut scene = scenes::load(Laws::built_in(), "any-network").expect("built in");
+    scene.users = Default::default();
     let network = network.map(|(loss, burst)| [("loss", loss), ("loss_burst_packets", burst)]);
     let network = network.into_iter().flatten().map(|(key, value)| format!("network.{key}={value}"));
     let seed = format!("network.seed={seed}");

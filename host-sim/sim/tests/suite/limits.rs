@@ -66,6 +66,7 @@ fn run(scene: &Scene, ticks: u32, mut pushes: impl FnMut(u32) -> [f64; 2]) -> Fo
 
 fn scene(name: &str, keys: &[&str]) -> Scene {
     let mut scene = scenes::load(Laws::built_in(), name).expect("built in");
+    scene.users = Default::default();
     keys.iter().for_each(|key| scene.apply_override(key).unwrap_or_else(|error| panic!("{key}: {error}")));
     scene.check("test").unwrap_or_else(|error| panic!("{error}"));
     scene

@@ -279,6 +279,7 @@ const LED: &[&str] = &[
 
 fn outcome(settings: &[&[&str]]) -> Outcome {
     let mut scene = scenes::load(Laws::built_in(), "any-network").expect("built in");
+    scene.users = Default::default();
     settings.iter().copied().flatten().for_each(|setting| scene.apply_override(setting).expect("a good override"));
     scene.check("test").expect("a good scene");
     cohold_sim::run::run::<f64>(&scene, Options { duration_s: 20.0, record_every: 0 }, &|_| ()).expect("a good scene")

@@ -91,7 +91,7 @@ fn what_both_must_be_told_alike_is_refused_of_one() {
 
 /// A device alone in front of a wall 10 mm away: nobody holds it, and its peer renders nothing.
 fn walled(keys: &[&str]) -> Plant {
-    let alone = ["contact.stiffness_n_per_m=0", "contact.damping_n_s_per_m=0", "user.2.wall_m=0.01"];
+    let alone = ["contact.stiffness_n_per_m=0", "contact.damping_n_s_per_m=0", "user.2.push_n=0", "user.2.wall_m=0.01"];
     Plant::new(&with("any-network", &[&alone[..], keys].concat()), 1)
 }
 

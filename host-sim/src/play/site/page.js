@@ -24,9 +24,9 @@ import { Timeline } from "./timeline.js";
 /** @typedef {{ environments: { name: string, story: boolean, columns: Column[], more: any }[], header_bytes: number, faults: Record<string, string>, fault_base: number, waits: number, alone: number,
  *   other: string | null, boards: boolean, clicks: { name: string, order: string }[], laws: string[], partners: string[], reach_m: number, period_s: number, recording?: Recorded }} Hello */
 /** A recording: of how many ticks, from which time on, s, when that was, how far the copies were apart in each part of it, which columns it has
- * beside those of its environment, the tick of its first fault, and what happened.
+ * beside those of its environment, the tick at which it opens, and what happened.
  * @typedef {{ file: string, who: string, kind: number, ticks: number, start_s: number, unix_s: number, told: boolean, overview_mm: number[], columns: Column[],
- *   fault: number | null, marks: import("./timeline.js").Mark[], left_out: string | null }} Recorded */
+ *   begin: number, marks: import("./timeline.js").Mark[], left_out: string | null }} Recorded */
 /** @typedef {import("./settings.js").Holds} Holds */
 /** @typedef {import("./settings.js").Question} Question */
 /** @typedef {{ number: number, fault: string | null, told: { name: string, there: boolean, status: string, said: [string, string][] } }} Board */
@@ -204,7 +204,7 @@ function greeted(greeting) {
 
 /** Shows a recording, whose ticks are asked for as they are looked at. @param {Recorded} recording */
 function opened(recording) {
-  const { ticks, start_s, overview_mm, fault, marks } = recording;
+  const { ticks, start_s, overview_mm, begin, marks } = recording;
   element("who").textContent = "– recorded";
   const ask = (/** @type {number} */ from, /** @type {number} */ count) => {
     const bytes = new DataView(new ArrayBuffer(8));
@@ -212,7 +212,7 @@ function opened(recording) {
     bytes.setUint32(4, count, true);
     socket?.send(bytes);
   };
-  timeline.open({ ticks, start_s, overview_mm, fault, marks, ask });
+  timeline.open({ ticks, start_s, overview_mm, begin, marks, ask });
 }
 
 /** Says whose recording it is, and which motors were off at the moment that is shown. @param {Recorded} recording */

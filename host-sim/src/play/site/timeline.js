@@ -7,7 +7,7 @@ import { choice, element, write } from "./parts.js";
 /** What a timeline needs of a page: its samples, seconds in a tick, ticks in a packet period and in a plot, how it looks again at once; and, of a recording, how many ticks it has and how to ask for those
  * from one to before another.
  * @typedef {{ samples: import("./samples.js").Samples, period: () => number, packet: () => number, span: () => number, wake: () => void }} Of */
-/** @typedef {{ ticks: number, start_s: number, overview_mm: number[], fault: number | null, marks: Mark[], ask: (from: number, count: number) => void }} Recording */
+/** @typedef {{ ticks: number, start_s: number, overview_mm: number[], begin: number, marks: Mark[], ask: (from: number, count: number) => void }} Recording */
 
 /** Something that happened: at which tick, whether it stopped somebody, and in words. @typedef {[number, boolean, string]} Mark */
 
@@ -82,7 +82,7 @@ export class Timeline {
     return [Math.max(samples.there.first, end - REACH), end];
   }
 
-  /** A recording is opened: its first fault is shown, or its beginning. @param {Recording} recording */
+  /** A recording is opened, at its first fault or where the copies were farthest apart. @param {Recording} recording */
   open(recording) {
     [this.recording, this.#asked] = [recording, undefined];
     element("now").hidden = true;
@@ -93,7 +93,7 @@ export class Timeline {
       [mark.className, mark.title] = [stopped ? "mark bad" : "mark", words];
       mark.style.setProperty("left", `${((100 * tick) / Math.max(1, recording.ticks - 1)).toFixed(2)}%`);
     }
-    this.seek(recording.fault ?? 0);
+    this.seek(recording.begin);
   }
 
   /** Goes to the next thing that happened, or to the one before. @param {boolean} back */

@@ -14,7 +14,7 @@ use cohold_studies::sweep::{Plan, Row};
 
 /// Two laws over three networks, of which two lose at random, at seven stiffnesses: 42 points of ten seeds.
 fn study() -> Study {
-    let entrant = |name: &str| Entrant::of(cohold_guest_laws::laws(), name, None, &[], None).expect("an entrant");
+    let entrant = |name: &str| Entrant::of(cohold_guest_laws::laws(), name, None, &[]).expect("an entrant");
     let networks = ["own", "loss 20 %", "bursts of 40 ms, 20 %"];
     let networks = networks.iter().flat_map(|name| Network::of(name).expect("a network")).collect();
     let axis = "coordination.stiffness_n_per_m=100..100000:7:log".parse().expect("an axis");
@@ -71,8 +71,7 @@ fn it_finds_what_the_grid_finds_with_less_than_half_of_the_runs() {
 /// What is left out is what no run could save; shards are cells, and know nothing of each other.
 #[test]
 fn what_is_not_stable_in_every_mode_is_not_run() {
-    let entrants =
-        ["wave", "power"].map(|name| Entrant::of(cohold_guest_laws::laws(), name, None, &[], None).expect("one"));
+    let entrants = ["wave", "power"].map(|name| Entrant::of(cohold_guest_laws::laws(), name, None, &[]).expect("one"));
     let axis = "coordination.stiffness_n_per_m=100..100000:7:log".parse().expect("an axis");
     let networks = ["own", "loss 20 %"].iter().flat_map(|name| Network::of(name).expect("a network")).collect();
     let study = Study::new(entrants.to_vec(), networks, &[axis], None, 6, 1.0).expect("a study");
@@ -148,7 +147,7 @@ fn where_the_grid_has_a_point_so_has_the_search() {
 /// One seed chooses and judges: nothing can be spared but what is not stable in every mode.
 #[test]
 fn a_single_seed_is_the_grid() {
-    let entrant = Entrant::of(cohold_guest_laws::laws(), "wave", None, &[], None).expect("an entrant");
+    let entrant = Entrant::of(cohold_guest_laws::laws(), "wave", None, &[]).expect("an entrant");
     let axis = "coordination.damping_n_s_per_m=2,4,8".parse().expect("an axis");
     let own = Network::of("own").expect("a network");
     let study = Study::new(vec![entrant], own, &[axis], None, 1, 1.0).expect("a study");
@@ -171,7 +170,7 @@ fn the_grids_best_in_a_third_of_the_runs() {
     let networks = ["loss 20 %", "bursts of 40 ms, 20 %", "jitter 12 ms"];
     let study = |first: u32, seeds: u32| {
         let entrant = |name: &str| {
-            let mut entrant = Entrant::of(cohold_guest_laws::laws(), name, None, &[], None).expect("an entrant");
+            let mut entrant = Entrant::of(cohold_guest_laws::laws(), name, None, &[]).expect("an entrant");
             entrant.scene.apply_override(&format!("network.seed={first}")).expect("a seed");
             entrant
         };

@@ -17,7 +17,7 @@ fn scene(name: &str, set: &[&str]) -> Scene {
 }
 
 fn entrant(name: &str) -> Entrant {
-    Entrant::of(cohold_guest_laws::laws(), name, None, &[], None).expect("an entrant")
+    Entrant::of(cohold_guest_laws::laws(), name, None, &[]).expect("an entrant")
 }
 
 fn over(names: &[&str]) -> Vec<Network> {

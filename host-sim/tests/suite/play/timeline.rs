@@ -390,6 +390,10 @@ fn ten_minutes_are_opened() {
     let mut browser = Browser::start(folder.join("profile"));
     let page = browser.open(&play.addresses[0]);
     browser.wait(&page, "document.body.classList.contains('recording') && Number.isFinite(page.value('object_1'))");
+    // It opens where the copies were farthest apart.
+    let [begin] = browser.numbers(&page, "[page.moment()]");
+    let most_mm = raw.iter().map(|[_, mm]| *mm).fold(0.0, f64::max);
+    assert!(raw[begin as usize][1] > 0.999 * most_mm, "{begin}: {:?} and {most_mm}", raw[begin as usize]);
     let mut took: Vec<f64> = Vec::new();
     for second in [300.0, 1.0, 599.0, 123.456, 450.001, 30.5, 512.0, 77.0, 588.8, 204.25, 1.5, 360.0] {
         let [ms, mm] = jump(&mut browser, &page, second);

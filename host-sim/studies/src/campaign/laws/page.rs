@@ -7,7 +7,6 @@ use cohold_sim::run::Verdict;
 
 use super::Row;
 use super::tables::parts;
-use crate::Error;
 
 /// Between these lines is what `cohold stability prove --page` writes.
 pub const PROOFS: [&str; 2] = ["<!-- proofs begin -->", "<!-- proofs end -->"];
@@ -27,10 +26,10 @@ pub const PICTURE: &str = "laws-impedance.png";
 pub const MOST: Most = Most::new(1 << 22, "a page");
 
 /// What is between [`LAWS`], from laws with a packet every 8 ms and with one in every tick.
-pub fn sections(rows: &[Row], each_tick: &[Row]) -> [String; 4] {
+pub fn sections(rows: &[Row], each_tick: &[Row]) -> Vec<([&'static str; 2], String)> {
     let [kept, felt, judged] = parts(rows);
     let [fast, ..] = parts(each_tick);
-    [
+    let texts = [
         format!(
             "With a packet every 8 ms:\n\n```text\n{kept}```\n\n\
              With a packet in every tick (`--set timing.ticks_per_packet=1 --set network.one_way_delay_packets=8`):\n\n```text\n{fast}```"
@@ -40,7 +39,8 @@ pub fn sections(rows: &[Row], each_tick: &[Row]) -> [String; 4] {
         ),
         format!("```text\n{judged}```"),
         networks(rows),
-    ]
+    ];
+    LAWS.into_iter().zip(texts).collect()
 }
 
 /// A row for each network: the laws of which a run stops or grows there, and those whose copies come apart.
@@ -64,12 +64,9 @@ pub fn between<'a>(page: &'a str, [begin, end]: [&str; 2]) -> Option<&'a str> {
     page.split_once(begin).and_then(|(_, rest)| rest.split_once(end)).map(|(found, _)| found.trim())
 }
 
-/// A page with this text between two lines of its own.
-///
-/// # Errors
-/// A page without these lines.
-pub fn with(page: &str, [begin, end]: [&str; 2], text: &str) -> Result<String, Error> {
-    let parts = page.split_once(begin).and_then(|(before, rest)| Some((before, rest.split_once(end)?.1)));
-    let (before, after) = parts.ok_or_else(|| format!("there is no line {begin} before a line {end}"))?;
-    Ok(format!("{before}{begin}\n{}\n{end}{after}", text.trim()))
+/// A page with this text between two lines of its own. None for a page without them.
+pub fn with(page: &str, [begin, end]: [&str; 2], text: &str) -> Option<String> {
+    let (before, rest) = page.split_once(begin)?;
+    let (_, after) = rest.split_once(end)?;
+    Some(format!("{before}{begin}\n{}\n{end}{after}", text.trim()))
 }

@@ -18,11 +18,11 @@ use cohold_sim::scene::Scene;
 use tungstenite::protocol::Role as Side;
 use tungstenite::{Message, WebSocket};
 
-use super::control_loop::Kept;
-use super::kinds::EnvironmentKind;
-use super::page::{At, Page, Shown};
-use super::partner::Model;
-use super::roles::Role;
+use crate::play::control_loop::Kept;
+use crate::play::kinds::EnvironmentKind;
+use crate::play::page::{At, Page, Shown};
+use crate::play::partner::Model;
+use crate::play::roles::Role;
 use cohold_cli::Failure;
 
 /// From one question of a window to the next.
@@ -36,15 +36,15 @@ struct Run {
     answered: Quantiles,
 }
 
-/// Runs the control loop for so many seconds each, without and with windows.
-pub(crate) fn measure(scene: &Scene, seconds: f64, stop: &Stop) -> Result<Columns, Failure> {
-    let mut runs = Vec::new();
-    for (windows, misbehaving) in [(0, 0), (2, 0), (10, 3)] {
-        if !stop.is_asked() {
-            runs.push(run(scene, seconds, stop, windows, misbehaving)?);
-        }
-    }
-    Ok(Columns::of(&runs)
+/// Runs the control loop for `SECONDS` each (30 without it), without and with windows.
+#[test]
+#[ignore = "takes minutes, and tells of the machine"]
+fn how_well_the_loop_keeps_time() {
+    let seconds = std::env::var("SECONDS").map_or(30.0, |text| text.parse().expect("seconds"));
+    let scene = cohold_sim::scenes::load(cohold_guest_laws::laws(), "any-network").expect("a scene");
+    let of = |(windows, misbehaving)| run(&scene, seconds, &Stop::default(), windows, misbehaving).expect("it runs");
+    let runs = [(0, 0), (2, 0), (10, 3)].map(of);
+    let table = Columns::of(&runs)
         .value("windows", |run| run.windows)
         .value("misbehaving", |run| run.misbehaving)
         .value("ticks", |run| run.kept.ticks)
@@ -58,7 +58,8 @@ pub(crate) fn measure(scene: &Scene, seconds: f64, stop: &Stop) -> Result<Column
         .number("answer_p50_ms", 3, |run| run.answered.p50_us * 1e-3)
         .means("from a window's question to its samples")
         .number("answer_p99_ms", 3, |run| run.answered.p99_us * 1e-3)
-        .done())
+        .done();
+    println!("{table}");
 }
 
 fn run(scene: &Scene, seconds: f64, stop: &Stop, windows: usize, misbehaving: usize) -> Result<Run, Failure> {
@@ -140,7 +141,7 @@ fn ask(address: &str, over: &AtomicBool) -> Result<Vec<u64>, Failure> {
             }
         };
         took.push(asked.elapsed().as_nanos() as u64);
-        next = super::web::next(&bytes).ok_or("an answer is too short")?;
+        next = crate::play::web::next(&bytes).ok_or("an answer is too short")?;
         frame += FRAME;
         std::thread::sleep(frame.saturating_duration_since(Instant::now()));
     }
