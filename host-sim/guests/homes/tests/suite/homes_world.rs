@@ -64,6 +64,7 @@ impl World {
     /// With what the hands do.
     pub(crate) fn with(hands: &[&str], boards: [bool; 2]) -> Self {
         let mut scene = scenes::load(Laws::built_in(), "any-network").expect("built in");
+        scene.users = Default::default();
         for key in hands.iter().chain(&["safety.max_delay_s=0.25"]) {
             scene.apply_override(key).expect("a good override");
         }
