@@ -104,7 +104,7 @@ export function quantities(value, me, axesNow, moment) {
     },
     {
       id: "live",
-      name: "fresh news at",
+      name: "fresh data at",
       unit: "%",
       digits: 0,
       of: () => fresh(1000).map((share) => 100 * share),

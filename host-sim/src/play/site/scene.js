@@ -4,6 +4,7 @@
 // stands at its end, and says where it is.
 
 import { write } from "./parts.js";
+import { phone } from "./phone.js";
 import { make, put } from "./environments.js";
 import { lens, rule, writeRule } from "./lens.js";
 
@@ -91,8 +92,10 @@ export function pairScene(to, value, glass) {
   function zoomFor(far) {
     const wanted = ZOOMS.find((times) => far <= INSIDE * times) ?? 5;
     if (wanted > zoom || far < 0.8 * INSIDE * wanted) zoom = wanted;
-    if (zoom === drawn) return;
-    drawn = zoom;
+    // On a phone its numbers are farther apart.
+    const ruler = phone.matches ? -zoom : zoom;
+    if (ruler === drawn) return;
+    drawn = ruler;
     const { ticks: marks, numbers: written } = rule(-HALF, HALF - 14, 0, 1 / zoom);
     put(ground, { d: `M${-HALF} ${GROUND}H${HALF}` });
     put(ticks, { d: marks.map(([x, long]) => `M${x.toFixed(2)} ${GROUND}v${long ? 4 : 2}`).join("") });
@@ -162,7 +165,7 @@ export function pairScene(to, value, glass) {
         const within = left ? Math.max(56 - HALF, beside) : Math.min(HALF - 56, beside);
         // Where there is no room beside it, it stands above.
         put(text, { x: within.toFixed(2), y: within === beside ? y + 1.8 : y - 4.5 });
-        const label = `${name} ${Math.abs(force).toFixed(Math.abs(force) < 100 ? 2 : 0)} N`;
+        const label = `${name}: ${Math.abs(force).toFixed(Math.abs(force) < 100 ? 2 : 0)} N`;
         write(text, label);
       }
     }

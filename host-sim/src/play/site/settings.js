@@ -99,6 +99,7 @@ export function settings(send) {
     edge.hidden = at === null;
     if (at === null) return;
     const share = (Math.log10(at) - Number(range.min)) / (Number(range.max) - Number(range.min));
+    edge.textContent = `▲ limit, both hands on: ${Math.round(at)} N/m`;
     edge.style.left = `calc(${share.toFixed(4)} * (100% - 1rem) + 0.5rem)`;
   }
 

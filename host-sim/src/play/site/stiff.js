@@ -72,16 +72,16 @@ export function tooStiff(svg, says, value, { me, faults, holds, past }) {
     }
     if (fault) {
       says.textContent =
-        `Peer ${fault.peer} stopped itself: ${fault.why}. With a coupling of ${spring}, each pull answers news that is ${ms.toFixed(0)} ms old: ` +
-        `it comes too late, goes too far, and the next one is stronger. Make it softer: ${limit}.`;
+        `Peer ${fault.peer} stopped itself: ${fault.why}. With a coupling of ${spring}, each pull answers a position that is ${ms.toFixed(0)} ms old. ` +
+        `It comes too late, goes too far, and the next one is stronger. Make it softer: ${limit}.`;
       state = [`too stiff: peer ${fault.peer} stopped itself`, true];
       return;
     }
     const gap = mean((at) => apart(value, at), 200);
     const beyond = stiffness > edge;
     const text = beyond
-      ? `The coupling is now a spring of ${spring}, stiffer than news that is ${ms.toFixed(0)} ms old allow: each pull comes too late, and makes the next one stronger.`
-      : `Two people press one object together; between its copies the coupling is a spring of ${spring}, over news that is ${ms.toFixed(0)} ms old. A stiffer one keeps the copies closer. Move the slider to the right.`;
+      ? `The coupling is now a spring of ${spring}, too stiff for data that is ${ms.toFixed(0)} ms old. Each pull comes too late, and makes the next one stronger.`
+      : `Two people press one object together. A spring of ${spring} couples its two copies, with data that is ${ms.toFixed(0)} ms old. A stiffer one keeps the copies closer. Move the slider to the right.`;
     write(says, text);
     const worst = Number.isFinite(gap) ? gap : 0;
     const far = `the copies are ${worst.toFixed(1)} mm apart`;

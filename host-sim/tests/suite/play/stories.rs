@@ -100,7 +100,7 @@ fn the_delay_is_seen_under_a_lens() {
         "[...document.querySelectorAll('#delay-picture text:not([hidden])')].map((e) => e.textContent).filter((t) => / N$/.test(t)).join()",
     );
     let owners = owners.as_str().unwrap_or_default().to_owned();
-    assert!(owners.contains("simulated hand 1 1.") && owners.contains("coupling on 2 1."), "{owners}");
+    assert!(owners.contains("simulated hand 1: 1.") && owners.contains("coupling on 2: 1."), "{owners}");
     pictures(&mut browser, &one, "delay");
 
     tab_to(&mut browser, &one, "story-delay", false);
