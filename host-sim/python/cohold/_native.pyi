@@ -472,8 +472,9 @@ class LiveState:
         """Control periods in which its hand moved."""
 
     @property
-    def mode(self) -> Literal["calling", "waiting", "held", "refused", "armed", "faulted"]:
-        """calling, waiting (for the other end, a verdict or arming), refused, armed, faulted; held while it is not wanted armed."""
+    def mode(self) -> Literal["calling", "waiting", "held", "refused", "alone", "armed", "faulted"]:
+        """calling, waiting (for the other end, a verdict or arming), refused, alone, armed, faulted; held while it is not wanted armed. The
+        motors are on in alone (both ends have not been live yet) and in armed."""
 
     @property
     def fault(self) -> str | None:
