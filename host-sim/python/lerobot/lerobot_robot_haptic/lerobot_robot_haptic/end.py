@@ -18,6 +18,8 @@ from lerobot.utils.errors import DeviceAlreadyConnectedError, DeviceNotConnected
 AXES = ("x", "y", "z")
 # A peer ticks every millisecond. One that stands still for so long is not there.
 OLD_S = 0.5
+# Users of a scene that do not push.
+AT_REST = {"user.1.push_n": 0.0, "user.2.push_n": 0.0}
 
 
 @dataclass(kw_only=True)
@@ -68,7 +70,8 @@ class End:
 
     def __init__(self, config: EndConfig, name: str) -> None:
         self.config, self.name = config, name
-        self.scene = cohold.Scene(config.scene, config.settings)
+        # LeRobot is the user: that of a scene pushes only if the settings have a push.
+        self.scene = cohold.Scene(config.scene, {**AT_REST, **config.settings})
         self.axes = int(self.scene["axis.shared"])
         self.peer: cohold.LivePeer | None = None
         self._was_armed = False
