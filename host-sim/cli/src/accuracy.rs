@@ -97,10 +97,10 @@ pub(crate) struct Precision {
     time: Time,
 }
 
-/// What those scenes are for which a long time is asked, and the one of them that comes without users.
+/// What those scenes are for which a long time is asked, and the one of them whose users push without the sine of §5.2.
 const COUPLED: [&str; 2] = ["paper-5.2-passive-wave-16ms", "matched-line"];
 const PUSHED: &str = "any-network";
-const PUSHES: [&str; 4] = ["user.1.push_n=1", "user.2.push_n=1", "user.2.sine_n=0.25", "user.2.sine_rad_per_s=3"];
+const SINE: [&str; 2] = ["user.2.sine_n=0.25", "user.2.sine_rad_per_s=3"];
 
 impl Precision {
     fn scenes(&self, ui: &Ui) -> Result<Vec<(String, Scene)>, Failure> {
@@ -108,7 +108,7 @@ impl Precision {
             return Ok(vec![(self.scene.name(), self.scene.load(ui)?)]);
         }
         let named = scenes::ALL.iter().map(|(name, _)| *name).filter(|name| self.all || COUPLED.contains(name));
-        let pushed = scenes::find(ui.laws, Some(Path::new(PUSHED)), &PUSHES.map(str::to_owned))?;
+        let pushed = scenes::find(ui.laws, Some(Path::new(PUSHED)), &SINE.map(str::to_owned))?;
         let scenes = named.map(|name| Ok((name.to_owned(), scenes::load(ui.laws, name)?)));
         scenes.chain([Ok((PUSHED.to_owned(), pushed))]).collect()
     }

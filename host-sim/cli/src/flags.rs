@@ -45,7 +45,7 @@ pub struct SceneArgs {
     set: Vec<String>,
     /// Seed of everything random in the run, as `--set network.seed=N`.
     #[arg(long, value_name = "N")]
-    seed: Option<u32>,
+    pub(crate) seed: Option<u32>,
 }
 
 impl SceneArgs {

@@ -138,8 +138,10 @@ impl Study {
     fn study(&self, ui: &Ui) -> Result<Asked, Failure> {
         let (scene, set) = self.scene.parts();
         let of = |text: &String| Entrant::of(ui.laws, text, scene, &set);
-        let entrants = self.entrants.iter().map(of).collect::<Result<Vec<_>, _>>()?;
-        for entrant in &entrants {
+        let mut entrants = self.entrants.iter().map(of).collect::<Result<Vec<_>, _>>()?;
+        for entrant in &mut entrants {
+            let network = &mut entrant.scene.world.network;
+            network.seed = self.scene.seed.unwrap_or(network.seed);
             self.time.check(&entrant.scene)?;
             if !entrant.scene.users.iter().any(User::acts) {
                 ui.warn(format_args!("{}: nobody pushes: set user.1.push_n", entrant.name));

@@ -187,17 +187,17 @@ impl LivePeer {
             return Err(refused(format!("record = \"{file}\" is not allowed: a recording ends in .mcap")));
         }
         let over = scene.cast::<PyDict>().ok();
-        let named = PyString::new(py, "any-network");
+        let [named, simulated] = ["any-network", "simulated"].map(|name| PyString::new(py, name));
         let named = if over.is_some() { named.as_any() } else { scene };
         let mut scene = Scene { scene: meant(named)? };
         // The program is the user, and that of a built-in scene does not push.
-        if named.is_instance_of::<PyString>() {
+        let name = named.extract::<String>().unwrap_or_default();
+        if cohold_sim::scenes::text(&name).is_some() {
             scene.scene.set_number(&format!("user.{number}.push_n"), 0.0).map_err(refused)?;
         }
         for (key, value) in over.into_iter().chain(settings).flatten() {
             scene.put(&key.extract::<String>()?, &value)?;
         }
-        let simulated = PyString::new(py, "simulated");
         let device = device_of(device.unwrap_or(simulated.as_any()), device_settings)?;
         let is_simulated = matches!(device.kind, Kind::Simulated);
         if !is_simulated {

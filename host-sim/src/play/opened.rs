@@ -58,6 +58,8 @@ pub(crate) struct Opened {
     told: bool,
     /// The tick at which the page opens.
     begin: usize,
+    /// The farthest place of each part ([`overview`]).
+    overview: Vec<(usize, f64)>,
     /// Tick, whether it stopped somebody, and words of each line of the log.
     marks: Vec<(usize, bool, String)>,
     /// What made it: a scene file.
@@ -107,27 +109,26 @@ impl Opened {
         }
         let origin = &recording.origin;
         let place = |unix_ns| times_s.partition_point(|time_s| *time_s < origin.since_s(unix_ns));
-        let is_fault = |sample: &[f32]| sample[width - 4] > 0.0 || sample[width - 2] > 0.0;
         let mark = |(unix_ns, line): (u64, &LogLine)| {
             let tick = ticks[place(unix_ns).min(ticks.len() - 1)];
             let words = format!("{:.60}: {:.300}", line.who, line.words);
             (tick, line.level >= ERROR, words)
         };
         let mut marks: Vec<_> = recording.log().take(MOST_LINES).map(mark).collect();
-        let axes = axes(kind);
-        let apart = numbers.chunks_exact(width).map(|sample| apart_mm(&axes, sample));
-        let farthest =
-            apart.enumerate().filter(|(_, mm)| *mm > 0.0).max_by(|(_, one), (_, other)| one.total_cmp(other));
+        let overview = overview(kind, &numbers, width);
+        let apart = overview.iter().copied().filter(|(_, mm)| *mm > 0.0);
+        let farthest = apart.max_by(|(_, one), (_, other)| one.total_cmp(other));
         if let Some((tick, mm)) = farthest {
             let words = format!("the copies were farthest apart here: {mm:.1} mm");
             marks.insert(marks.partition_point(|(at, ..)| *at <= tick), (tick, false, words));
         }
-        let fault = numbers.chunks_exact(width).position(is_fault);
+        let fault = numbers.chunks_exact(width).position(|at| at[width - 4] > 0.0 || at[width - 2] > 0.0);
         let time_s = first.rows.column("time_s").and_then(|times| times.first().copied());
         Ok(Self {
             kind,
             begin: fault.or(farthest.map(|(tick, _)| tick)).unwrap_or_default(),
             marks,
+            overview,
             numbers,
             width,
             period_s,
@@ -173,6 +174,11 @@ impl Opened {
         })
     }
 
+    /// How far the copies were apart at the most in each part of the whole, mm; of what is no pair, nothing.
+    fn overview_mm(&self) -> Vec<f32> {
+        self.overview.iter().map(|(_, mm)| *mm as f32).collect()
+    }
+
     pub(super) fn period_s(&self) -> f64 {
         self.period_s
     }
@@ -187,34 +193,25 @@ impl Opened {
         let [from, to] = [from as usize, to].map(|at| at.min(self.ticks()) * self.width);
         self.numbers[from..to].iter()
     }
-
-    /// How far the copies were apart at the most in each part of the whole, mm; of what is no pair, nothing.
-    fn overview_mm(&self) -> Vec<f32> {
-        let (axes, ticks) = (axes(self.kind), self.ticks());
-        if axes.is_empty() {
-            return Vec::new();
-        }
-        let apart = |sample: &[f32]| apart_mm(&axes, sample);
-        let part = |part: usize| {
-            let [from, to] = [part, part + 1].map(|part| part * ticks / PARTS * self.width);
-            // A distance that is no number is none: `max` leaves it out.
-            self.numbers[from..to].chunks_exact(self.width).map(apart).fold(0.0, f64::max) as f32
-        };
-        (0..PARTS).map(part).collect()
-    }
 }
 
-/// Columns of both copies, along each axis.
-fn axes(kind: EnvironmentKind) -> Vec<[usize; 2]> {
+/// The tick in each part of the whole at which the copies were farthest apart, and how far, mm. Empty where there is no pair.
+fn overview(kind: EnvironmentKind, numbers: &[f32], width: usize) -> Vec<(usize, f64)> {
     let at = |name: &str| kind.columns().iter().position(|(known, ..)| *known == name);
     let axis = |suffix: &str| Some([at(&format!("object_1{suffix}"))?, at(&format!("object_2{suffix}"))?]);
-    SUFFIXES.into_iter().map_while(axis).collect()
-}
-
-/// Distance of both copies, mm.
-fn apart_mm(axes: &[[usize; 2]], sample: &[f32]) -> f64 {
-    let square = |[one, two]: &[usize; 2]| (f64::from(sample[*one]) - f64::from(sample[*two])).powi(2);
-    1e3 * axes.iter().map(square).sum::<f64>().sqrt()
+    let axes: Vec<_> = SUFFIXES.into_iter().map_while(axis).collect();
+    let apart = |tick: usize| {
+        let sample = &numbers[tick * width..];
+        let square = |[one, two]: &[usize; 2]| (f64::from(sample[*one]) - f64::from(sample[*two])).powi(2);
+        (tick, 1e3 * axes.iter().map(square).sum::<f64>().sqrt())
+    };
+    let part = |part: usize| {
+        let [from, to] = [part, part + 1].map(|part| part * (numbers.len() / width) / PARTS);
+        let all = (from..to).map(apart);
+        // A distance that is no number is none.
+        all.fold((from, 0.0), |most, this| if this.1 >= most.1 { this } else { most })
+    };
+    (0..PARTS).take_while(|_| !axes.is_empty()).map(part).collect()
 }
 
 /// A channel, and where its numbers go.

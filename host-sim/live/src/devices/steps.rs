@@ -267,10 +267,10 @@ impl<'a> Trial<'a> {
     fn watchdog(&mut self) -> Result<String, Error> {
         let silence = Duration::from_secs_f64(self.port.abilities().lets_go_s.unwrap_or_default()) + 20 * TICK;
         let silence_ms = 1e3 * silence.as_secs_f64();
-        let pushes = format!(
+        let task = format!(
             "the device pushes from here on, with up to {PUSH_N} N. Keep the switch of its supply within reach. Hold its hand loosely, or release it"
         );
-        (self.please)(&pushes)?;
+        (self.please)(&task)?;
         self.rest()?;
         let [pushes, left] = self
             .no_more(|this| this.acts(silence))

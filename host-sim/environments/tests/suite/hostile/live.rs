@@ -87,9 +87,11 @@ fn two_hundred_programs_at_a_live_hub() {
     });
     // On a busy machine fewer.
     assert!(said > PROGRAMS * TICKS / 10, "{said} flows");
-    assert!(hub.packets > PROGRAMS * TICKS / 10, "{} packet periods", hub.packets);
-    let (object_mm, made_mj) = (hub.object_mm, hub.energy_made_mj);
-    assert!(object_mm.is_finite() && made_mj <= 15.0, "{object_mm} mm, {made_mj} mJ made");
+    let (packets, object_mm, made_mj) = (hub.packets, hub.object_mm, hub.energy_made_mj);
+    assert!(
+        packets as f64 >= 1e3 * duration_s && object_mm.is_finite() && made_mj <= 15.0,
+        "{packets} packet periods, {object_mm} mm, {made_mj} mJ made"
+    );
     let why = hub.lines[2].refused.as_deref().unwrap_or_default();
     assert!(why.contains("says what cannot be"), "{why}");
     for line in &hub.lines[..2] {

@@ -18,8 +18,6 @@ from lerobot.utils.errors import DeviceAlreadyConnectedError, DeviceNotConnected
 AXES = ("x", "y", "z")
 # A peer ticks every millisecond. One that stands still for so long is not there.
 OLD_S = 0.5
-# Users of a scene that do not push.
-AT_REST = {"user.1.push_n": 0.0, "user.2.push_n": 0.0}
 
 
 @dataclass(kw_only=True)
@@ -70,9 +68,7 @@ class End:
 
     def __init__(self, config: EndConfig, name: str) -> None:
         self.config, self.name = config, name
-        # LeRobot is the user: that of a scene pushes only if the settings have a push.
-        self.scene = cohold.Scene(config.scene, {**AT_REST, **config.settings})
-        self.axes = int(self.scene["axis.shared"])
+        self.axes = int(cohold.Scene(config.scene, config.settings)["axis.shared"])
         self.peer: cohold.LivePeer | None = None
         self._was_armed = False
         self._newest = (-1.0, 0.0)
@@ -88,12 +84,13 @@ class End:
             "key": config.key,
             "device": config.device,
             "record": config.record,
+            "settings": config.settings,
             "patience_s": config.wait_s,
             **config.device_settings,
             **changed,
         }
         self._was_armed, self._newest = False, (-1.0, 0.0)
-        self.peer = cohold.LivePeer(self.scene, number, **told)
+        self.peer = cohold.LivePeer(config.scene, number, **told)
 
     def held(self) -> cohold.LivePeer:
         """The peer, if it is connected."""

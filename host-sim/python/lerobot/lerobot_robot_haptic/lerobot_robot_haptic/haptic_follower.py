@@ -18,7 +18,7 @@ from lerobot.cameras import make_cameras_from_configs
 from lerobot.robots import Robot
 
 from .config_haptic_follower import HapticFollowerConfig
-from .end import AT_REST, AXES, End, along, places
+from .end import AXES, End, along, places
 
 # What a simulated user of the scene does is not done by a leader whose hand is moved.
 _NOTHING = ("push_n", "pulse_n", "sine_n", "side_push_n", "arm_stiffness_n_per_m", "arm_damping_n_s_per_m", "clutch_for_s")
@@ -97,7 +97,7 @@ class HapticFollower(Robot):
             cohold.generate_key(key)
             self.end.open(2, listen=here, connect=there, key=key)
             users_own = {f"user.1.{does}": 0.0 for does in _NOTHING}
-            scene = cohold.Scene(self.config.scene, {**AT_REST, **self.config.settings, **users_own})
+            scene = cohold.Scene(self.config.scene, {**self.config.settings, **users_own})
             self._leader_scale = float(scene["peer.1.scale.position"])
             self.leader = cohold.LivePeer(
                 scene, 1, listen=there, connect=here, key=key, patience_s=self.config.wait_s
