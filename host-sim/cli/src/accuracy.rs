@@ -223,7 +223,7 @@ impl Force {
 }
 
 #[derive(Debug, Args)]
-#[command(mut_arg("scene", |scene| scene.default_value("leader-follower")))]
+#[command(mut_arg("scene", |scene| scene.default_value("leader-follower").help("Scene file (TOML) or the name of a built-in scene")))]
 pub(crate) struct Transparency {
     #[command(flatten)]
     scene: SceneArgs,

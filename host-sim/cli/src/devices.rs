@@ -17,7 +17,7 @@ use super::flags::number;
 use super::{Failure, SceneArgs, Ui};
 
 #[derive(Debug, Args)]
-#[command(mut_arg("scene", |scene| scene.default_value("any-network")))]
+#[command(mut_arg("scene", |scene| scene.default_value("any-network").help("Scene file (TOML) or the name of a built-in scene")))]
 #[command(args_conflicts_with_subcommands = true)]
 pub(super) struct Devices {
     /// Look there as well: ADDRESS:PORT of Haply's service, a serial port, a CAN interface.

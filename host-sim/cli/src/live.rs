@@ -15,7 +15,7 @@ use super::{Failure, SceneArgs, Ui, ui::Unsuccessful};
 use crate::live_peer::LivePeer;
 
 #[derive(Debug, Args)]
-#[command(mut_arg("scene", |scene| scene.default_value("any-network")))]
+#[command(mut_arg("scene", |scene| scene.default_value("any-network").help("Scene file (TOML) or the name of a built-in scene")))]
 pub(super) struct Peer {
     #[command(flatten)]
     scene: SceneArgs,

@@ -315,7 +315,7 @@ impl Ui {
     pub fn only_built_in(&self, what: &str) {
         let outside: Vec<&str> = self.laws.outside().collect();
         if !outside.is_empty() {
-            self.warn(format_args!("{what} the laws of cohold-core only, without {}", outside.join(", ")));
+            self.warn(format_args!("{what} the built-in laws only, without {}", outside.join(", ")));
         }
     }
 

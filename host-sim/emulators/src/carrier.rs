@@ -123,7 +123,14 @@ fn serve_lines(
 ) {
     for line in lines.split(b'\n').map_while(Result::ok) {
         let line = String::from_utf8_lossy(&line).into_owned();
-        let mut words = line.strip_prefix("can send ").unwrap_or_default().split(' ');
+        let Some(sent) = line.strip_prefix("can send ") else {
+            if line.trim().is_empty() {
+                continue;
+            }
+            let _ = port.write_all(b"ERR unknown command\r\n");
+            continue;
+        };
+        let mut words = sent.split(' ');
         let (Some(id), Some(hex)) = (words.next(), words.next()) else { continue };
         let Ok(id) = u32::from_str_radix(id, 16) else { continue };
         let byte = |at: usize| hex.get(2 * at..2 * at + 2).and_then(|two| u8::from_str_radix(two, 16).ok());
@@ -132,6 +139,7 @@ fn serve_lines(
         let reply = match fault {
             Fault::Unplugged => return,
             Fault::Silent => None,
+            Fault::Flexible if words.any(|word| word == "f") => None,
             _ => answers(id, &bytes),
         };
         if fault == Fault::Late {

@@ -198,6 +198,9 @@ fn serve(mut socket: WebSocket<TcpStream>, world: &Mutex<World>) {
     while let Ok(message) = socket.read() {
         let heard: Value = serde_json::from_str(message.to_text().unwrap_or_default()).unwrap_or_default();
         let device = &heard["inverse3"][0];
+        if device.is_null() {
+            continue;
+        }
         let vector = &device["commands"]["set_cursor_force"]["vector"];
         let (fault, told) = {
             let mut world = locked(world);

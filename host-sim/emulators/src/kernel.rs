@@ -81,6 +81,9 @@ fn serve_messages(
             return;
         }
         let id = u32::from_ne_bytes([message[0], message[1], message[2], message[3]]);
+        if fault == Fault::Flexible && len != FD_LEN {
+            continue;
+        }
         let Some(data) = message.get(DATA..DATA + usize::from(message[4])) else { continue };
         let reply = answers(id & ID, data);
         if fault == Fault::Late {

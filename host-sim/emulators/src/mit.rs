@@ -7,7 +7,7 @@ use super::motors::{Emulator, Fault, Motor, Protocol, World};
 /// After so long without a frame they disable themselves unless it is told otherwise, s.
 pub const TIMEOUT_AFTER_S: f64 = 0.05;
 /// Their faults by name.
-pub const FAULTS: [(&str, Fault); 11] = [
+pub const FAULTS: [(&str, Fault); 13] = [
     ("none", Fault::None),
     ("silent", Fault::Silent),
     ("late", Fault::Late),
@@ -19,6 +19,8 @@ pub const FAULTS: [(&str, Fault); 11] = [
     ("over-voltage", Fault::OverVoltage),
     ("never", Fault::Never),
     ("other-ranges", Fault::OtherRanges),
+    ("other-mode", Fault::OtherMode),
+    ("flexible", Fault::Flexible),
 ];
 /// What the register TIMEOUT counts, s.
 const TIMEOUT_S: f64 = 50e-6;
@@ -87,6 +89,7 @@ fn register(world: &World, which: u8, timeout_s: f64) -> [u8; 4] {
     let off = if world.fault == Fault::OtherRanges { 2.0 } else { 1.0 };
     match which {
         9 => if world.fault == Fault::Never { 0 } else { (timeout_s / TIMEOUT_S).round() as u32 }.to_le_bytes(),
+        10 => if world.fault == Fault::OtherMode { 2_u32 } else { 1 }.to_le_bytes(),
         21..=23 => ((off * ENDS[usize::from(which) - 21]) as f32).to_le_bytes(),
         _ => [0; 4],
     }

@@ -98,8 +98,13 @@ fn answer(world: &mut World, console: &mut String, joint: usize, mut bytes: &[u8
                 let (_, len) = (varuint(&mut bytes)?, varuint(&mut bytes)? as usize);
                 let line = std::str::from_utf8(bytes.get(..len)?).ok()?;
                 let holds = world.fault == Fault::Holds;
-                if line.trim() == "conf get servo.timeout_mode" {
-                    *console = format!("{}\r\n", if holds { 10 } else { 12 });
+                match line.trim() {
+                    "conf get servo.timeout_mode" => console.push_str(if holds { "10\r\n" } else { "12\r\n" }),
+                    "tel stop" => {
+                        world.streams = false;
+                        console.push_str("OK\r\n");
+                    }
+                    _ => console.push_str("ERR unknown command\r\n"),
                 }
                 bytes = &bytes[len..];
             }
@@ -127,7 +132,11 @@ fn answer(world: &mut World, console: &mut String, joint: usize, mut bytes: &[u8
         world.off(joint, FAULT);
     }
     if polled {
-        let text = std::mem::take(console);
+        if world.streams {
+            console.push_str("emit servo_stats\r\n");
+        }
+        let some = console.len().min(48);
+        let text: String = console.drain(..some).collect();
         return Some([&[0x41, 1, text.len() as u8], text.as_bytes()].concat());
     }
     let told = world.told(joint);

@@ -56,6 +56,10 @@ pub enum Fault {
     Relative,
     /// They are set up for other ranges.
     OtherRanges,
+    /// They are set up for another kind of command.
+    OtherMode,
+    /// They hear frames with flexible data rate only.
+    Flexible,
 }
 
 /// A motor: its torque, and until when that stands.
@@ -82,6 +86,8 @@ pub struct World {
     pub(crate) fault: Fault,
     /// Pairs of torques that were asked for, and when.
     pub asked: Asked<2>,
+    /// Consoles tell of themselves what a viewer asked for once.
+    pub streams: bool,
     /// A motor was asked to pull by itself, by gains or an integrator.
     pub pulled: bool,
 }
@@ -119,6 +125,7 @@ impl World {
             lets_go,
             fault: Fault::None,
             asked: Asked::default(),
+            streams: true,
             pulled: false,
         }))
     }

@@ -1,16 +1,18 @@
 import os
 import pathlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, Literal, Protocol, final, overload
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 _Scalar = Literal["f32", "f64", "i32f32"]
 _Value = bool | int | float | str
 _Path = str | os.PathLike[str]
 _Runs = list[tuple[int, list[int]]]
 _Progress = Callable[[int, int], object]
+# A float along one axis; along several a tuple of as many.
+_Along = Any
 _Forces = Sequence[float] | NDArray[np.float64]
 
 __all__ = [
@@ -50,7 +52,7 @@ class Scene:
     Raises ValueError with the line that the command line prints, and OSError for a file that cannot be read.
     """
 
-    def __new__(cls, source: Scene | _Path | None = None, settings: dict[str, _Value] | None = None) -> Scene: ...
+    def __new__(cls, source: Scene | _Path | None = None, settings: Mapping[str, _Value] | None = None) -> Scene: ...
     @staticmethod
     def from_toml(text: str) -> Scene:
         """The scene that this TOML text says, as a scene file holds it."""
@@ -59,6 +61,15 @@ class Scene:
         """What differs from the default scene, as the text of a scene file. Traces are named by their whole path."""
 
     def __getitem__(self, key: str, /) -> bool | float | str: ...
+    def get(self, key: str, default: Any = None, /) -> Any:
+        """The value of a key, or `default` if there is none."""
+
+    def keys(self) -> list[str]:
+        """Every key of this scene, its law's keys included: `dict(scene)` has all settings."""
+
+    def __iter__(self) -> Iterator[str]: ...
+    def __len__(self) -> int: ...
+    def __contains__(self, key: object, /) -> bool: ...
     def __setitem__(self, key: str, value: _Value, /) -> None: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
@@ -152,7 +163,7 @@ class Pair:
     """
 
     COLUMNS: list[str]
-    def __new__(cls, scene: Scene, scalar: _Scalar = "f64") -> Pair: ...
+    def __new__(cls, scene: Scene | _Path, scalar: _Scalar = "f64") -> Pair: ...
     @overload
     def step(self, force_1_n: float, force_2_n: float) -> tuple[float, ...]:
         """One tick: 12 numbers as a tuple; along several axes a tuple of one for each."""
@@ -164,7 +175,7 @@ class Pair:
     def step_into(self, force_1_n: float | _Forces, force_2_n: float | _Forces, out: NDArray[np.float64]) -> None:
         """One tick into an array of 12 float64 that the caller keeps, or of 12 for each of several axes: nothing is allocated."""
 
-    def steps(self, forces_n: NDArray[np.float64]) -> NDArray[np.float64]:
+    def steps(self, forces_n: ArrayLike) -> NDArray[np.float64]:
         """As many ticks as `forces_n` has rows of two (user 1, user 2), 20,000,000 at the most: a row of 12 for each. Along several axes
         both have one dimension more: forces are (ticks, 2, axes), and what is given (ticks, axes, 12).
         """
@@ -193,12 +204,12 @@ class Pairs:
     """
 
     COLUMNS: list[str]
-    def __new__(cls, scene: Scene, count: int, scalar: _Scalar = "f64", threads: int = 1) -> Pairs: ...
+    def __new__(cls, scene: Scene | _Path, count: int, scalar: _Scalar = "f64", threads: int = 1) -> Pairs: ...
     def __len__(self) -> int: ...
     def begin(self, pairs: Sequence[int] | NDArray[np.integer[Any]], seeds: Sequence[int] | NDArray[np.integer[Any]]) -> None:
         """Has these pairs (numbers from 0) begin anew, armed and at rest, each with its `network.seed`."""
 
-    def steps(self, forces_n: NDArray[np.float64], ticks: int = 1) -> NDArray[np.float64]:
+    def steps(self, forces_n: ArrayLike, ticks: int = 1) -> NDArray[np.float64]:
         """So many ticks of all pairs, 1,000,000 at the most, each with its row of `forces_n` held: (pairs, 2), user 1 and user 2, along several
         axes (pairs, 2, axes). Gives what is seen after the last one: (pairs, 22), along several axes (pairs, axes, 22).
         """
@@ -227,7 +238,7 @@ class Peer:
     """
 
     PACKET: list[str]
-    def __new__(cls, scene: Scene, number: int, scalar: _Scalar = "f32") -> Peer: ...
+    def __new__(cls, scene: Scene | _Path, number: int, scalar: _Scalar = "f32") -> Peer: ...
     @overload
     def tick(
         self, position_m: float, velocity_m_per_s: float, packet: tuple[float, ...] | None = None
@@ -253,11 +264,11 @@ class Peer:
     def __copy__(self) -> Peer: ...
     def __deepcopy__(self, _memo: object) -> Peer: ...
     @property
-    def start_m(self) -> float | tuple[float, ...]:
+    def start_m(self) -> _Along:
         """Where the hand has to be at first, m: just clear of the object."""
 
     @property
-    def object_m(self) -> float | tuple[float, ...]:
+    def object_m(self) -> _Along:
         """Where this peer's copy of the object is, m."""
 
     @property
@@ -286,8 +297,8 @@ class Sweep:
     def __new__(
         cls,
         scene: Scene | _Path,
-        over: dict[str, str | Sequence[_Value]] | list[str] | None = None,
-        sample: dict[str, str | Sequence[_Value]] | list[str] | None = None,
+        over: Mapping[str, str | Sequence[_Value]] | list[str] | None = None,
+        sample: Mapping[str, str | Sequence[_Value]] | list[str] | None = None,
         points: int | None = None,
         design: Literal["sobol", "latin-hypercube"] = "sobol",
         sample_seed: int = 1,
@@ -350,10 +361,10 @@ class Study:
 
     def __new__(
         cls,
-        entrants: str | Sequence[str] | dict[str, Scene | _Path],
-        over: dict[str, str | Sequence[_Value]] | list[str] | None = None,
+        entrants: str | Sequence[str] | Mapping[str, Scene | _Path],
+        over: Mapping[str, str | Sequence[_Value]] | list[str] | None = None,
         networks: _Path | Sequence[_Path] | None = None,
-        sample: dict[str, str | Sequence[_Value]] | list[str] | None = None,
+        sample: Mapping[str, str | Sequence[_Value]] | list[str] | None = None,
         points: int | None = None,
         design: Literal["sobol", "latin-hypercube"] = "sobol",
         sample_seed: int = 1,
@@ -379,7 +390,7 @@ class Study:
         progress: _Progress | None = None,
         search: Literal["grid", "halving"] = "grid",
         best: str = "true_discrepancy_mm",
-        at_most: dict[str, float] | None = None,
+        at_most: Mapping[str, float] | None = None,
     ) -> Findings:
         """Runs everything on so many threads (0: as many as there are cores); or with `search="halving"` only what decides which points have the least
         of `best` under the bounds `at_most`, which is then what may be asked of the findings.
@@ -402,14 +413,14 @@ class Findings:
         """Every point by column: means over all its seeds, with half of their 95 % intervals; 0 runs where a search left it out."""
 
     def best(
-        self, best: str = "true_discrepancy_mm", at_most: dict[str, float] | None = None
+        self, best: str = "true_discrepancy_mm", at_most: Mapping[str, float] | None = None
     ) -> dict[str, NDArray[Any]]:
         """Of each entrant on each network the point with the least of a figure of merit, among those that are stable in every run and every
         mode and of which no run is beyond a bound (`at_most`: figures of merit and numbers); what seeds say of it that did not choose it.
         """
 
     def pairs(
-        self, best: str = "true_discrepancy_mm", at_most: dict[str, float] | None = None
+        self, best: str = "true_discrepancy_mm", at_most: Mapping[str, float] | None = None
     ) -> dict[str, NDArray[Any]]:
         """The best points of every two entrants beside each other, seed by seed, on networks where both have one."""
 
@@ -418,7 +429,7 @@ class Findings:
         folder: _Path,
         name: str = "study-best",
         best: str = "true_discrepancy_mm",
-        at_most: dict[str, float] | None = None,
+        at_most: Mapping[str, float] | None = None,
         width_mm: float = 88.0,
     ) -> list[pathlib.Path]:
         """Writes the figure as `name` with .svg, .pdf and .png into a folder, `width_mm` wide (88 is a column of most journals, 180 a page);
@@ -457,7 +468,6 @@ class _Device(Protocol):
     def read(self) -> Iterable[float] | tuple[Iterable[float], Iterable[float]]: ...
     def write(self, force_n: tuple[float, ...], /) -> object: ...
 
-_Along = float | tuple[float, ...]
 
 @final
 class LiveState:
@@ -532,14 +542,14 @@ class LivePeer:
 
     def __new__(
         cls,
-        scene: Scene | _Path | dict[str, _Value],
+        scene: Scene | _Path | Mapping[str, _Value],
         number: int,
         *,
         listen: str,
         connect: str,
         key: _Path,
         device: str | _Device | None = None,
-        settings: dict[str, _Value] | None = None,
+        settings: Mapping[str, _Value] | None = None,
         seconds: float | None = None,
         patience_s: float = 30.0,
         anyway: bool = False,
@@ -638,17 +648,17 @@ def add_law(law: _Law) -> None:
     One of the same name takes the place of that law, if what it declares is the same.
     """
 
-def advice(scene: Scene) -> str:
+def advice(scene: Scene | _Path) -> str:
     """What to change in a scene that is unstable, in one sentence."""
 
 def keys() -> dict[str, dict[str, Any]]:
     """Every key of a scene: its default, what it accepts, its unit and its meaning."""
 
-def limit(scene: Scene, key: str, first: float, last: float) -> list[float]:
+def limit(scene: Scene | _Path, key: str, first: float, last: float) -> list[float]:
     """The values of a key between two ends at which the scene becomes stable or unstable, every mode considered."""
 
 def run(
-    scene: Scene,
+    scene: Scene | _Path,
     seconds: float = 20.0,
     scalar: _Scalar = "f64",
     every: int | None = None,
@@ -664,7 +674,7 @@ def run(
 def scenes() -> list[str]:
     """The names of the built-in scenes."""
 
-def stability(scene: Scene) -> Stability:
+def stability(scene: Scene | _Path) -> Stability:
     """Is this scene stable, and by how much? Of the linear scene behind it: both hands on, one, none."""
 
 def unit(name: str) -> str:

@@ -12,6 +12,9 @@ import sys
 import cohold
 import numpy as np
 
+# The values of the settings that a law reads; of a copy: position and velocity.
+Floats = tuple[float, ...]
+
 
 class Rest:
     """A spring to the last known place of the remote copy, whose velocity is forgotten with every tick of silence."""
@@ -22,19 +25,21 @@ class Rest:
     reads = ("coordination.stiffness_n_per_m", "coordination.damping_n_s_per_m", "rest.forget")
     gains = ("coordination.stiffness_n_per_m=310",)
 
-    def start(self, values, local):
+    def start(self, values: Floats, local: Floats) -> Floats:
         return local
 
-    def receive(self, values, state, packet):
+    def receive(self, values: Floats, state: Floats, packet: Floats) -> Floats:
         return packet
 
-    def couple(self, values, state, local, contact_force_n, age_ticks):
+    def couple(
+        self, values: Floats, state: Floats, local: Floats, contact_force_n: float, age_ticks: int
+    ) -> tuple[Floats, float, Floats]:
         stiffness, damping, forget = values
         velocity = forget * state[1]
         force = stiffness * (state[0] - local[0]) + damping * (velocity - local[1])
         return (state[0], velocity), force, (state[0], velocity)
 
-    def send(self, values, state, local):
+    def send(self, values: Floats, state: Floats, local: Floats) -> Floats:
         return local
 
 
@@ -46,14 +51,15 @@ STUDENT = {5: 2.776, 10: 2.262, 20: 2.093}
 
 def main(seeds: int = 10) -> None:
     cohold.add_law(Rest())
-    bursts = {"network.loss": [0.1], "network.loss_burst_packets": [1, 5, 20]}
+    lengths = [1, 5, 20]
+    bursts: dict[str, list[float]] = {"network.loss": [0.1], "network.loss_burst_packets": [*lengths]}
     tables = {}
     for law, stiffness in GAINS.items():
-        settings = {"coordination.comm": law, "coordination.stiffness_n_per_m": stiffness}
+        settings: dict[str, float | str] = {"coordination.comm": law, "coordination.stiffness_n_per_m": stiffness}
         scene = cohold.Scene("paper-5.2-power-16ms", settings)
         tables[law] = cohold.Sweep(scene, bursts, seeds=seeds, seconds=4.0).run()
     print("true discrepancy, mm: mean, and difference from `power` over the same seeds with half of its 95 % interval\n")
-    for burst in bursts["network.loss_burst_packets"]:
+    for burst in lengths:
         first = None
         for law, table in tables.items():
             here = table["network.loss_burst_packets"] == burst

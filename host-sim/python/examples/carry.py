@@ -8,26 +8,33 @@ single environments that Python steps one after the other. Needs gymnasium.
 
 import sys
 import time
+from collections.abc import Callable
+from typing import Any
 
 import gymnasium
 import cohold.gym
 import numpy as np
+from numpy.typing import NDArray
 
 CARRY = "haptic/Carry-v0"
 AT = {name: at for at, name in enumerate(cohold.gym.OBSERVED)}
 
 
-def steering(observed: np.ndarray) -> np.ndarray:
+Floats = NDArray[np.float32]
+
+
+def steering(observed: Floats) -> Floats:
     """A spring to the place and a damper, over the partner's usual push."""
     off_m = observed[:, AT["target_m"]] - observed[:, AT["object_m"]]
-    return (1.0 + 20.0 * off_m - 6.0 * observed[:, AT["hand_m_per_s"]])[:, None].astype(np.float32)
+    pushes: Floats = 1.0 + 20.0 * off_m - 6.0 * observed[:, AT["hand_m_per_s"]]
+    return pushes[:, None].astype(np.float32)
 
 
-def steady(observed: np.ndarray) -> np.ndarray:
+def steady(observed: Floats) -> Floats:
     return np.ones((len(observed), 1), np.float32)
 
 
-def reward(hand) -> float:
+def reward(hand: Callable[[Floats], Floats]) -> float:
     envs = gymnasium.make_vec(CARRY, num_envs=16)
     observed, _ = envs.reset(seed=1)
     gained, goes_on = np.zeros(16), np.ones(16, bool)
@@ -35,10 +42,10 @@ def reward(hand) -> float:
         observed, more, lost, over, _ = envs.step(hand(observed))
         gained += goes_on * more
         goes_on &= ~(lost | over)
-    return gained.mean()
+    return float(gained.mean())
 
 
-def steps_a_second(envs, seconds: float) -> float:
+def steps_a_second(envs: Any, seconds: float) -> float:
     envs.reset(seed=1)
     actions, steps, started = np.ones((envs.num_envs, 1), np.float32), 0, time.process_time()
     while time.process_time() - started < seconds:

@@ -21,10 +21,10 @@ use cohold_live::tell::Manner;
 use cohold_live::watch::LiveOptions;
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString, PyTuple};
+use pyo3::types::{PyString, PyTuple};
 
 use crate::push::{Along, MOST_AXES, check};
-use crate::scene::{Scene, meant};
+use crate::scene::{Named, Scene, meant};
 use crate::work::refused;
 
 use given::{address, device_of, limit};
@@ -164,13 +164,13 @@ impl LivePeer {
         connect: &str,
         key: PathBuf,
         device: Option<&Bound<'_, PyAny>>,
-        settings: Option<&Bound<'_, PyDict>>,
+        settings: Option<Named<'_>>,
         seconds: Option<f64>,
         patience_s: f64,
         anyway: bool,
         arm: bool,
         record: Option<PathBuf>,
-        device_settings: Option<&Bound<'_, PyDict>>,
+        device_settings: Option<Named<'_>>,
     ) -> PyResult<Self> {
         if !(1..=2).contains(&number) {
             return Err(refused(format!("number = {number} is not allowed: it must be 1 or 2")));
@@ -186,7 +186,7 @@ impl LivePeer {
             let file = file.display();
             return Err(refused(format!("record = \"{file}\" is not allowed: a recording ends in .mcap")));
         }
-        let over = scene.cast::<PyDict>().ok();
+        let over = scene.extract::<Named<'_>>().ok();
         let [named, simulated] = ["any-network", "simulated"].map(|name| PyString::new(py, name));
         let named = if over.is_some() { named.as_any() } else { scene };
         let mut scene = Scene { scene: meant(named)? };
@@ -195,8 +195,8 @@ impl LivePeer {
         if cohold_sim::scenes::text(&name).is_some() {
             scene.scene.set_number(&format!("user.{number}.push_n"), 0.0).map_err(refused)?;
         }
-        for (key, value) in over.into_iter().chain(settings).flatten() {
-            scene.put(&key.extract::<String>()?, &value)?;
+        for (key, value) in over.into_iter().chain(settings).flat_map(|all| all.0) {
+            scene.put(&key, &value)?;
         }
         let device = device_of(device.unwrap_or(simulated.as_any()), device_settings)?;
         let is_simulated = matches!(device.kind, Kind::Simulated);

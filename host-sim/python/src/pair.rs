@@ -10,7 +10,7 @@ use cohold_report::numbered;
 use cohold_sim::pair::HASH_SEED;
 use cohold_sim::peers::Builds;
 use cohold_sim::{Plant, of_axes, pair};
-use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use numpy::{AllowTypeChange, PyArray1, PyArrayDyn, PyArrayLikeDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
@@ -18,7 +18,7 @@ use pyo3::types::PyTuple;
 use crate::push::{Along, MOST_AXES, aligned, of_tick, of_ticks, room, written};
 use crate::raised::Raised;
 use crate::run::unknown_scalar;
-use crate::scene::Scene;
+use crate::scene::meant;
 use crate::work::{here, refused};
 
 /// What is seen of both peers along an axis after a tick.
@@ -158,13 +158,17 @@ impl Pair {
 impl Pair {
     #[new]
     #[pyo3(signature = (scene, scalar = "f64"))]
-    fn new(py: Python<'_>, scene: &Scene, scalar: &str) -> PyResult<Self> {
-        let (scene, scalar) = (scene.clone(), scalar.to_owned());
+    fn new(py: Python<'_>, #[pyo3(from_py_with = meant)] scene: cohold_sim::Scene, scalar: &str) -> PyResult<Self> {
+        let scalar = scalar.to_owned();
         here(py, move |_| {
-            let scene = scene.checked()?;
-            let pair = Arc::new(Mutex::new(of_scene(scene, &scalar)?));
+            let pair = Arc::new(Mutex::new(of_scene(&scene, &scalar)?));
             Ok(Self { pair, seen: [scene.peer.axis.shared as usize, WIDTH] })
         })
+    }
+
+    fn __repr__(&self) -> PyResult<String> {
+        let stopped = self.fault()?.map_or(String::new(), |(peer, why)| format!(", peer {peer} stopped: {why}"));
+        Ok(format!("<Pair after {} ticks{stopped}>", self.ticks()?))
     }
 
     /// The names of the 12 numbers, six of each peer; the unit is the end of the name.
@@ -208,7 +212,7 @@ impl Pair {
     fn steps<'py>(
         &mut self,
         py: Python<'py>,
-        forces_n: PyReadonlyArrayDyn<'py, f64>,
+        forces_n: PyArrayLikeDyn<'py, f64, AllowTypeChange>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let (axes, own_forces) = (self.axes(), of_ticks(py, &forces_n, self.axes())?);
         let rows = own_forces.len() / (2 * axes);

@@ -10,13 +10,13 @@ use std::thread;
 use cohold_core::sample::{Reach, SAMPLE};
 use cohold_report::numbered;
 use cohold_sim::pair::HASH_SEED;
-use numpy::{PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayDyn, PyArrayLikeDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
 use crate::pair::{Steps, of_scene};
 use crate::push::{of_ticks, room, written};
 use crate::raised::Raised;
-use crate::scene::Scene;
+use crate::scene::meant;
 use crate::work::{here, refused};
 
 /// What is seen of both peers along an axis after a tick: all their quantities, and what each one's motors press with.
@@ -111,14 +111,19 @@ impl Pairs {
 impl Pairs {
     #[new]
     #[pyo3(signature = (scene, count, scalar = "f64", threads = 1))]
-    fn new(py: Python<'_>, scene: &Scene, count: i64, scalar: &str, threads: i64) -> PyResult<Self> {
+    fn new(
+        py: Python<'_>,
+        #[pyo3(from_py_with = meant)] scene: cohold_sim::Scene,
+        count: i64,
+        scalar: &str,
+        threads: i64,
+    ) -> PyResult<Self> {
         let (count, threads) = (within("count", count, [1, MOST])?, within("threads", threads, [1, MOST_THREADS])?);
-        let (scene, scalar) = (scene.clone(), scalar.to_owned());
+        let scalar = scalar.to_owned();
         here(py, move |go_on| {
-            let scene = scene.checked()?;
             let some = (0..count).take_while(|_| go_on());
-            let pairs = some.map(|_| of_scene(scene, &scalar)).collect::<PyResult<Vec<Own>>>()?;
-            let (scene, axes) = (scene.clone(), scene.peer.axis.shared as usize);
+            let pairs = some.map(|_| of_scene(&scene, &scalar)).collect::<PyResult<Vec<Own>>>()?;
+            let axes = scene.peer.axis.shared as usize;
             Ok(Self { scene, scalar, pairs: Mutex::new(pairs), count, axes, threads })
         })
     }
@@ -129,6 +134,10 @@ impl Pairs {
     fn columns() -> Vec<String> {
         let names = || SAMPLE.reaching(Reach::Records).map(|quantity| quantity.name).chain(["motor_n"]);
         (1..=2).flat_map(|peer| names().map(move |name| numbered(name, peer))).collect()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<{} Pairs, {}>", self.count, self.scalar)
     }
 
     fn __len__(&self) -> usize {
@@ -163,7 +172,7 @@ impl Pairs {
     fn steps<'py>(
         &mut self,
         py: Python<'py>,
-        forces_n: PyReadonlyArrayDyn<'py, f64>,
+        forces_n: PyArrayLikeDyn<'py, f64, AllowTypeChange>,
         ticks: i64,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let mut ticks = within("ticks", ticks, [1, MOST_TICKS])?;

@@ -15,7 +15,7 @@ use pyo3::types::PyTuple;
 use crate::push::{Along, MOST_AXES};
 use crate::raised::Raised;
 use crate::run::unknown_scalar;
-use crate::scene::Scene;
+use crate::scene::meant;
 use crate::work::{here, refused};
 
 /// What a packet says along an axis; the unit is the end of the name.
@@ -159,13 +159,18 @@ impl Peer {
 impl Peer {
     #[new]
     #[pyo3(signature = (scene, number, scalar = "f32"))]
-    fn new(py: Python<'_>, scene: &Scene, number: usize, scalar: &str) -> PyResult<Self> {
+    fn new(
+        py: Python<'_>,
+        #[pyo3(from_py_with = meant)] scene: cohold_sim::Scene,
+        number: usize,
+        scalar: &str,
+    ) -> PyResult<Self> {
         if !(1..=2).contains(&number) {
             return Err(refused(format!("number = {number} is not allowed: it must be 1 or 2")));
         }
-        let (scene, scalar) = (scene.clone(), scalar.to_owned());
+        let scalar = scalar.to_owned();
         here(py, move |_| {
-            let scene = scene.checked()?;
+            let scene = &scene;
             let at = number - 1;
             let peer = match scalar.as_str() {
                 "f32" => of_axes!(scene, built::<f32>(scene, at)),
@@ -261,6 +266,11 @@ impl Peer {
             Mode::Faulted(fault) => Some(fault.explain().to_string()),
             _ => None,
         }
+    }
+
+    fn __repr__(&self) -> String {
+        let stopped = self.fault().map_or(String::new(), |why| format!(", stopped: {why}"));
+        format!("<Peer after {} ticks{stopped}>", self.ticks)
     }
 
     /// Hash of the state, continued from the one before.

@@ -8,8 +8,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::columns::to_python;
-use crate::scene::Scene;
-use crate::work::{Progress, here, here_telling, refused};
+use crate::scene::meant;
+use crate::work::{Progress, here_telling, refused};
 
 /// Most rows of a table: five hours at 1 kHz.
 pub(crate) const MOST_ROWS: usize = 20_000_000;
@@ -156,14 +156,12 @@ impl Run {
 #[pyo3(signature = (scene, seconds = 20.0, scalar = "f64", every = None, progress = None))]
 pub(crate) fn run(
     py: Python<'_>,
-    scene: &Scene,
+    #[pyo3(from_py_with = meant)] scene: cohold_sim::Scene,
     seconds: f64,
     scalar: &str,
     every: Option<i64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Run> {
-    let asked = scene.clone();
-    let scene = here(py, move |_| asked.checked().cloned())?;
     check_seconds(seconds, &scene)?;
     let mut options = Options::recorded(seconds, scene.peer.timing.control_period_s);
     if let Some(every) = every {

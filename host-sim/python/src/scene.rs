@@ -7,7 +7,7 @@ use cohold_sim::{Laws, scenes as built_in};
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::{PyKeyError, PyOSError, PyTypeError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString, PyTuple};
+use pyo3::types::{PyDict, PyIterator, PyList, PyMapping, PyString, PyTuple};
 
 use crate::law::laws;
 use crate::work::{here, refused};
@@ -78,7 +78,18 @@ fn to_python(py: Python<'_>, value: Value<'_>) -> PyResult<Py<PyAny>> {
     }
 }
 
-/// The scene that a `Scene`, a name or a path stands for.
+/// Values by name: any mapping of Python, in its order.
+pub(crate) struct Named<'py>(pub(crate) Vec<(String, Bound<'py, PyAny>)>);
+
+impl<'py> FromPyObject<'_, 'py> for Named<'py> {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        given.cast::<PyMapping>()?.items()?.extract().map(Self)
+    }
+}
+
+/// The scene that a `Scene`, the name of a built-in one or a path stands for.
 pub(crate) fn meant(source: &Bound<'_, PyAny>) -> PyResult<cohold_sim::Scene> {
     let py = source.py();
     if let Ok(scene) = source.cast::<Scene>() {
@@ -103,12 +114,12 @@ pub(crate) fn meant(source: &Bound<'_, PyAny>) -> PyResult<cohold_sim::Scene> {
 impl Scene {
     #[new]
     #[pyo3(signature = (source = None, settings = None))]
-    fn new(source: Option<&Bound<'_, PyAny>>, settings: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+    fn new(source: Option<&Bound<'_, PyAny>>, settings: Option<Named<'_>>) -> PyResult<Self> {
         let usual = cohold_guest_laws::laws();
         let scene = source.map_or_else(|| Ok(cohold_sim::Scene::new(usual)), meant)?;
         let mut scene = Self { scene };
-        for (key, value) in settings.into_iter().flatten() {
-            scene.put(&key.extract::<String>()?, &value)?;
+        for (key, value) in settings.into_iter().flat_map(|all| all.0) {
+            scene.put(&key, &value)?;
         }
         Ok(scene)
     }
@@ -141,6 +152,30 @@ impl Scene {
 
     fn __getitem__(&self, py: Python<'_>, key: &str) -> PyResult<Py<PyAny>> {
         self.scene.get(key).map_or_else(|| Err(PyKeyError::new_err(key.to_owned())), |value| to_python(py, value))
+    }
+
+    /// The value of a key, or `default` if there is none.
+    #[pyo3(signature = (key, default = None, /))]
+    fn get(&self, py: Python<'_>, key: &str, default: Option<Py<PyAny>>) -> PyResult<Option<Py<PyAny>>> {
+        self.scene.get(key).map_or(Ok(default), |value| to_python(py, value).map(Some))
+    }
+
+    /// Every key of this scene, its law's keys included: `dict(scene)` has all settings.
+    fn keys(&self) -> Vec<String> {
+        let all = self.scene.keys().into_iter().map(|(name, _)| name);
+        all.filter(|name| self.scene.get(name).is_some()).collect()
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {
+        PyList::new(py, self.keys())?.try_iter()
+    }
+
+    fn __len__(&self) -> usize {
+        self.keys().len()
+    }
+
+    fn __contains__(&self, key: &Bound<'_, PyAny>) -> bool {
+        key.extract::<String>().is_ok_and(|key| self.scene.get(&key).is_some())
     }
 
     fn __setitem__(&mut self, key: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {

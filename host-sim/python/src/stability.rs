@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::run::html;
-use crate::scene::Scene;
+use crate::scene::meant;
 use crate::work::{here, refused};
 
 /// The verdict on a scene in every mode that it can enter.
@@ -53,9 +53,8 @@ impl Stability {
 
 /// Is this scene stable, and by how much? Of the linear scene behind it: both hands on, one, none.
 #[pyfunction]
-pub(crate) fn stability(py: Python<'_>, scene: &Scene) -> PyResult<Stability> {
-    let scene = scene.clone();
-    let judged = here(py, move |_| cohold_analysis::judge(scene.checked()?).map_err(refused))?;
+pub(crate) fn stability(py: Python<'_>, #[pyo3(from_py_with = meant)] scene: cohold_sim::Scene) -> PyResult<Stability> {
+    let judged = here(py, move |_| cohold_analysis::judge(&scene).map_err(refused))?;
     let modes = PyDict::new(py);
     for mode in &judged.modes {
         modes.set_item(mode.name(), mode.verdict.spectral_radius)?;
@@ -70,18 +69,23 @@ pub(crate) fn stability(py: Python<'_>, scene: &Scene) -> PyResult<Stability> {
 
 /// What to change in a scene that is unstable, in one sentence.
 #[pyfunction]
-pub(crate) fn advice(py: Python<'_>, scene: &Scene) -> PyResult<String> {
-    let scene = scene.clone();
-    here(py, move |_| cohold_analysis::advice(scene.checked()?).map_err(refused))
+pub(crate) fn advice(py: Python<'_>, #[pyo3(from_py_with = meant)] scene: cohold_sim::Scene) -> PyResult<String> {
+    here(py, move |_| cohold_analysis::advice(&scene).map_err(refused))
 }
 
 /// The values of a key between two ends at which the scene becomes stable or unstable, every mode considered.
 #[pyfunction]
-pub(crate) fn limit(py: Python<'_>, scene: &Scene, key: &str, first: f64, last: f64) -> PyResult<Vec<f64>> {
-    let (scene, range) = (scene.clone(), Range { key: key.to_owned(), from: first, to: last });
+pub(crate) fn limit(
+    py: Python<'_>,
+    #[pyo3(from_py_with = meant)] scene: cohold_sim::Scene,
+    key: &str,
+    first: f64,
+    last: f64,
+) -> PyResult<Vec<f64>> {
+    let range = Range { key: key.to_owned(), from: first, to: last };
     here(py, move |_| {
         let effort = Effort { hands: None, ..Effort::default() };
-        let found = cohold_analysis::limit(scene.checked()?, range, effort).map_err(refused)?;
+        let found = cohold_analysis::limit(&scene, range, effort).map_err(refused)?;
         Ok(found.crossings)
     })
 }

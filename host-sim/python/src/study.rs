@@ -22,7 +22,7 @@ use pyo3::types::{PyDict, PyString};
 use crate::columns::to_python;
 use crate::law::laws;
 use crate::run::check_seconds;
-use crate::scene::meant;
+use crate::scene::{Named, meant};
 use crate::sweep::{Grid, failed, kept, rows_of, written};
 use crate::work::{Progress, here, on_threads, refused};
 
@@ -50,11 +50,9 @@ fn entrant(py: Python<'_>, text: String) -> PyResult<Entrant> {
 
 /// The scenes that take part.
 fn entrants(py: Python<'_>, of: &Bound<'_, PyAny>) -> PyResult<Vec<Entrant>> {
-    if let Ok(named) = of.cast::<PyDict>() {
-        let one = |(name, scene): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
-            Ok(Entrant { name: name.extract()?, scene: meant(&scene)? })
-        };
-        return named.into_iter().map(one).collect();
+    if let Ok(Named(all)) = of.extract() {
+        let one = |(name, scene): (String, Bound<'_, PyAny>)| Ok(Entrant { name, scene: meant(&scene)? });
+        return all.into_iter().map(one).collect();
     }
     if of.cast::<PyString>().is_ok() {
         return Ok(vec![entrant(py, of.extract()?)?]);
@@ -80,13 +78,12 @@ fn networks(of: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<Network>> {
 }
 
 /// What is to be least, and what may be how much at most.
-fn goal(best: &str, at_most: Option<&Bound<'_, PyDict>>) -> PyResult<Goal> {
+fn goal(best: &str, at_most: Option<Named<'_>>) -> PyResult<Goal> {
     let named = |name: &str| metric(name).map_err(|cause| refused(format!("there is no {name:?}: {cause}")));
-    let bound = |(name, most): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
-        Ok(study::answers::Bound { metric: named(&name.extract::<String>()?)?, most: most.extract()? })
+    let bound = |(name, most): (String, Bound<'_, PyAny>)| {
+        Ok(study::answers::Bound { metric: named(&name)?, most: most.extract()? })
     };
-    let bounds: Vec<study::answers::Bound> =
-        at_most.into_iter().flat_map(|bounds| bounds.iter()).map(bound).collect::<PyResult<_>>()?;
+    let bounds = at_most.into_iter().flat_map(|all| all.0).map(bound).collect::<PyResult<Vec<_>>>()?;
     if let Some(wrong) = bounds.iter().find(|bound| !bound.most.is_finite()) {
         return Err(refused(format!("{} needs a number, not {}", METRICS[wrong.metric].name(), wrong.most)));
     }
@@ -159,7 +156,7 @@ impl Study {
         progress: Option<Py<PyAny>>,
         search: &str,
         best: &str,
-        at_most: Option<&Bound<'_, PyDict>>,
+        at_most: Option<Named<'_>>,
     ) -> PyResult<Findings> {
         let search = Search::from_name(search).ok_or_else(|| {
             refused(format!("search = {search:?} is not allowed: it must be one of {:?}", Search::NAMES))
@@ -219,7 +216,7 @@ pub(crate) struct Findings {
 }
 
 impl Findings {
-    fn answered(&self, best: &str, at_most: Option<&Bound<'_, PyDict>>) -> PyResult<(Goal, Vec<Answer>)> {
+    fn answered(&self, best: &str, at_most: Option<Named<'_>>) -> PyResult<(Goal, Vec<Answer>)> {
         let goal = goal(best, at_most)?;
         let answers = match &self.searched {
             None => self.study.answers(&self.rows, &goal),
@@ -252,24 +249,14 @@ impl Findings {
     /// Of each entrant on each network the point with the least of a figure of merit, among those that are stable in every run and every
     /// mode and of which no run is beyond a bound (`at_most`: figures of merit and numbers); what seeds say of it that did not choose it.
     #[pyo3(signature = (best = "true_discrepancy_mm", at_most = None))]
-    fn best<'py>(
-        &self,
-        py: Python<'py>,
-        best: &str,
-        at_most: Option<&Bound<'py, PyDict>>,
-    ) -> PyResult<Bound<'py, PyDict>> {
+    fn best<'py>(&self, py: Python<'py>, best: &str, at_most: Option<Named<'py>>) -> PyResult<Bound<'py, PyDict>> {
         let (goal, answers) = self.answered(best, at_most)?;
         to_python(py, self.study.answer_columns(&answers, &goal))
     }
 
     /// The best points of every two entrants beside each other, seed by seed, on networks where both have one.
     #[pyo3(signature = (best = "true_discrepancy_mm", at_most = None))]
-    fn pairs<'py>(
-        &self,
-        py: Python<'py>,
-        best: &str,
-        at_most: Option<&Bound<'py, PyDict>>,
-    ) -> PyResult<Bound<'py, PyDict>> {
+    fn pairs<'py>(&self, py: Python<'py>, best: &str, at_most: Option<Named<'py>>) -> PyResult<Bound<'py, PyDict>> {
         let (goal, answers) = self.answered(best, at_most)?;
         to_python(py, self.study.pair_columns(&self.study.pairs(&self.rows, &answers, &goal)))
     }
@@ -282,7 +269,7 @@ impl Findings {
         folder: PathBuf,
         name: &str,
         best: &str,
-        at_most: Option<&Bound<'_, PyDict>>,
+        at_most: Option<Named<'_>>,
         width_mm: f64,
     ) -> PyResult<Vec<PathBuf>> {
         if !(60.0..=400.0).contains(&width_mm) {

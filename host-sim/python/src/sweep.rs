@@ -16,7 +16,7 @@ use pyo3::types::{PyBytes, PyDict, PyString, PyTuple};
 
 use crate::columns::to_python;
 use crate::run::check_seconds;
-use crate::scene::{Scene, meant, to_toml};
+use crate::scene::{Named, Scene, meant, to_toml};
 use crate::work::{Progress, here, on_threads, refused};
 
 /// A scene over its keys and over seeds, the question that `cohold study sweep` asks.
@@ -37,9 +37,8 @@ pub(crate) struct Sweep {
 /// `KEY=VALUES` of a mapping from keys to texts or sequences, or of texts that say so already.
 pub(crate) fn written(of: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<String>> {
     let Some(of) = of else { return Ok(Vec::new()) };
-    let Ok(mapping) = of.cast::<PyDict>() else { return of.extract() };
-    let one = |(key, values): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
-        let key: String = key.extract()?;
+    let Ok(Named(all)) = of.extract() else { return of.extract() };
+    let one = |(key, values): (String, Bound<'_, PyAny>)| {
         if let Ok(text) = values.cast::<PyString>() {
             return Ok(format!("{key}={text}"));
         }
@@ -54,7 +53,7 @@ pub(crate) fn written(of: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<String>> {
         let values: Vec<String> = values.try_iter()?.map(value).collect::<PyResult<_>>()?;
         Ok(format!("{key}={}", values.join(",")))
     };
-    mapping.into_iter().map(one).collect()
+    all.into_iter().map(one).collect()
 }
 
 impl Sweep {
@@ -167,7 +166,7 @@ impl Sweep {
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
-        scene: &Bound<'_, PyAny>,
+        #[pyo3(from_py_with = meant)] scene: cohold_sim::Scene,
         over: Option<&Bound<'_, PyAny>>,
         sample: Option<&Bound<'_, PyAny>>,
         points: Option<usize>,
@@ -176,7 +175,7 @@ impl Sweep {
         seeds: u32,
         seconds: f64,
     ) -> PyResult<Self> {
-        let (scene, over, sample) = (meant(scene)?, written(over)?, written(sample)?);
+        let (over, sample) = (written(over)?, written(sample)?);
         check_seconds(seconds, &scene)?;
         let Grid { axes, sample: drawn } = Grid::of(&over, &sample, points, design, sample_seed, seeds)?;
         if axes.is_empty() && drawn.is_none() {

@@ -52,6 +52,18 @@ def test_one_tick_and_many_are_the_same():
     assert one.state_hash() == into.state_hash() == many.state_hash()
 
 
+def test_forces_may_be_any_numbers_and_what_is_stepped_says_so():
+    rows = [[1.0, -0.5]] * 100
+    pairs = [cohold.Pair(SCENE) for _ in range(3)]
+    given = [np.array(rows), np.array(rows, np.float32), rows]
+    first, *others = [pair.steps(each) for pair, each in zip(pairs, given)]
+    assert all(np.array_equal(first, other) for other in others)
+    assert repr(pairs[0]) == "<Pair after 100 ticks>"
+    pairs = cohold.Pairs(SCENE, 2)
+    assert np.array_equal(pairs.steps([[1, 0], [0, 1]]), cohold.Pairs(SCENE, 2).steps(np.eye(2)))
+    assert repr(pairs) == "<2 Pairs, f64>" and repr(cohold.Peer(SCENE, 1)) == "<Peer after 0 ticks>"
+
+
 def test_memory_order_of_forces_does_not_matter():
     forces = np.stack([np.ones(500), np.linspace(0.0, -2.0, 500)], 1)
     pairs = [cohold.Pair(cohold.Scene(SCENE)) for _ in range(3)]

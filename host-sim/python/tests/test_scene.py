@@ -5,6 +5,7 @@ import pathlib
 import pickle
 import subprocess
 import sys
+import types
 
 import cohold
 import numpy as np
@@ -22,6 +23,29 @@ def test_a_name_a_file_and_its_text_are_one_scene(tmp_path):
     again.write_text(scene.to_toml())
     assert cohold.Scene(again) == scene == cohold.Scene(scene)
     assert eval(repr(scene), {"Scene": cohold.Scene}) == scene
+
+
+def test_a_scene_is_read_like_a_mapping():
+    scene = cohold.Scene("any-network")
+    assert "network.loss" in scene and "no.key" not in scene and 3 not in scene
+    assert scene.get("network.loss") == scene["network.loss"]
+    assert scene.get("no.key") is None and scene.get("no.key", 1.5) == 1.5
+    settings = dict(scene)
+    assert list(scene) == list(settings) and len(scene) == len(settings) > 100
+    assert cohold.Scene(settings=types.MappingProxyType(settings)) == scene
+
+
+def test_a_name_is_a_scene_wherever_one_is_taken():
+    name = "matched-line"
+    scene = cohold.Scene(name)
+    assert cohold.run(name, 0.1).state_hash == cohold.run(scene, 0.1).state_hash
+    assert cohold.stability(name).spectral_radius == cohold.stability(scene).spectral_radius
+    assert cohold.Pair(name).state_hash() == cohold.Pair(scene).state_hash()
+    assert cohold.Pairs(name, 2).state_hashes() == cohold.Pairs(scene, 2).state_hashes()
+    assert cohold.Peer(name, 1).state_hash() == cohold.Peer(scene, 1).state_hash()
+    assert cohold.advice(name) == cohold.advice(scene)
+    with pytest.raises(ValueError, match="no-scene"):
+        cohold.run("no-scene")
 
 
 def test_every_key_is_told_and_can_be_set_to_what_it_is():

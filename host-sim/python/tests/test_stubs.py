@@ -26,6 +26,13 @@ def test_the_pages_law_passes_mypy(tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+def test_the_examples_pass_mypy_as_strict_as_it_is():
+    examples = pathlib.Path(__file__).parents[1] / "examples"
+    check = [sys.executable, "-m", "mypy", "--strict", "--ignore-missing-imports", *sorted(examples.glob("*.py"))]
+    done = subprocess.run(check, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 def test_docstrings_of_the_stubs_are_the_modules():
     stub = ast.parse((pathlib.Path(cohold.__file__).parent / "_native.pyi").read_text())
     told = 0

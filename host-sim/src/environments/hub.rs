@@ -8,7 +8,7 @@ use cohold_environments::live::hub;
 use cohold_live::endpoint::{Span, Stop};
 
 #[derive(Debug, Args)]
-#[command(mut_arg("scene", |scene| scene.default_value("hub")))]
+#[command(mut_arg("scene", |scene| scene.default_value("hub").help("Scene file (TOML) or the name of a built-in scene")))]
 pub(super) struct Hub {
     #[command(flatten)]
     scene: SceneArgs,

@@ -136,6 +136,9 @@ mod unix {
     /// Longest remainder of a line that is kept; more without its end is no fdcanusb.
     const LONGEST: usize = 4 * MAX_LINE_LENGTH;
 
+    /// How long an adapter may take to refuse a line.
+    const SETTLES: Duration = Duration::from_millis(100);
+
     /// Waits until there is something to read; at the end of the wait there may be nothing.
     fn wait_for(port: impl AsFd, wait: Duration) -> io::Result<()> {
         let wait = Timespec { tv_sec: wait.as_secs() as _, tv_nsec: wait.subsec_nanos().into() };
@@ -160,7 +163,12 @@ mod unix {
             let mut settings = tcgetattr(&port)?;
             settings.make_raw();
             tcsetattr(&port, OptionalActions::Flush, &settings)?;
-            Ok(Self { port, partial: Vec::new(), going: Vec::new() })
+            let mut adapter = Self { port, partial: Vec::new(), going: vec![b'\n'] };
+            // Another program may have left a part of a line. It ends here, and the adapter's answer to it is dropped.
+            adapter.flush()?;
+            let _ = adapter.receive(SETTLES, &mut Vec::new());
+            adapter.partial.clear();
+            Ok(adapter)
         }
 
         /// Writes what is still to go; whether it is all gone.
@@ -249,7 +257,8 @@ mod unix {
             use rustix::net::{SendFlags, send};
             for frame in frames {
                 match send(&self.0, &super::kernel::message(frame), SendFlags::DONTWAIT | SendFlags::NOSIGNAL) {
-                    Ok(_) | Err(rustix::io::Errno::AGAIN | rustix::io::Errno::NOBUFS) => {}
+                    // The last: an interface without flexible data rate refuses such a frame.
+                    Ok(_) | Err(rustix::io::Errno::AGAIN | rustix::io::Errno::NOBUFS | rustix::io::Errno::INVAL) => {}
                     Err(cause) => return Err(cause.into()),
                 }
             }

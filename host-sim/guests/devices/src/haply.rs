@@ -229,10 +229,11 @@ impl Line for Service {
         let _ = self.socket.flush();
     }
 
-    /// By a message without a command: the service answers each one with a state.
+    /// By the poll that the service documents, which commands nothing: it answers each message with a state.
     fn acts(&mut self) -> Acts {
         self.asked.push_back(Instant::now());
-        self.socket.send(Message::text("{}")).map_err(stopped)?;
+        let poll = json!({ "inverse3": [{ "device_id": self.id, "commands": { "probe_position": {} } }] });
+        self.socket.send(Message::text(poll.to_string())).map_err(stopped)?;
         let by = Instant::now() + PATIENCE;
         while Instant::now() < by {
             let Some((text, _)) = self.hear()? else { continue };

@@ -1,13 +1,18 @@
 //! Motors that take the 8-byte frame of MIT's Mini Cheetah: Damiao's (OpenArm's) and T-Motor's AK series, one to three on a CAN bus.
 //!
 //! **A torque** is position, speed and both gains zero, and the torque: p 16 bits, v 12, kp 12, kd 12, t 12, big-endian, each a share of the
-//! motor's own range. So a frame of eight zeros asks for full torque backward, and one for another model's ranges for another torque: Damiao's
-//! motors are asked for their ranges, and others than the model's are refused. Numbers are rounded; no torque is half a step, 2.4 mN·m of a DM4310.
+//! motor's own range. So a frame of eight zeros asks for full torque backward, and one for another model's ranges for another torque. A Damiao is
+//! asked for its ranges. The model `damiao` takes them, and every other one refuses ranges that differ. Numbers are rounded; no torque is
+//! half a step, 2.4 mN·m of a DM4310.
+//!
+//! **A frame** is classical. OpenArm sets its motors up for flexible data rate: if a Damiao answers no classical frame, it is asked by such a
+//! frame, and all later frames are of the kind that it answers.
 //!
 //! **Letting go.** A Damiao disables itself when it hears nothing for its register TIMEOUT (9), in units of 50 µs; 0, never, is not armed. T-Motor's
 //! do not say, so it has to be measured, and told. Whoever lets go disables the motor; what is asked of one that is disabled moves nothing.
 //!
-//! Sources: LeRobot's and OpenArm's drivers (ranges, registers), CubeMars' AK manual 1.0.15 (ranges). The unit of TIMEOUT is from memory.
+//! Sources: LeRobot's and OpenArm's drivers (ranges, registers), CubeMars' AK manual 1.0.15 (ranges). The package
+//! damiao-motor 1.0.6 has the unit of TIMEOUT and the control modes.
 
 use std::time::{Duration, Instant};
 
@@ -28,8 +33,9 @@ const REGISTERS: u32 = 0x7ff;
 /// A question there for a register, and for the state.
 const REGISTER: u8 = 0x33;
 const STATE: u8 = 0xcc;
-/// Registers: TIMEOUT; the ends of position, speed and torque.
+/// Registers: TIMEOUT; the control mode, which is 1 where MIT's frame is heard; the ends of position, speed and torque.
 const TIMEOUT: u8 = 9;
+const CONTROL_MODE: u8 = 10;
 const ENDS: [u8; 3] = [21, 22, 23];
 /// What TIMEOUT counts, s.
 const TIMEOUT_S: f64 = 50e-6;
@@ -46,7 +52,7 @@ const PATIENCE: Duration = Duration::from_millis(200);
 pub(crate) struct Model {
     /// As `--device-model` has it.
     pub name: &'static str,
-    /// Ends of position, speed and torque, either way: rad, rad/s, N·m.
+    /// Ends of position, speed and torque, either way: rad, rad/s, N·m. Not a number: the motor's register.
     ends: [f64; 3],
     /// Damiao's: it has registers and tells its state.
     is_damiao: bool,
@@ -61,7 +67,8 @@ const fn t_motor(name: &'static str, speed: f64, torque: f64) -> Model {
 }
 
 /// The types that are known.
-const MODELS: [Model; 12] = [
+const MODELS: [Model; 13] = [
+    Model { name: "damiao", ends: [f64::NAN; 3], is_damiao: true },
     damiao("dm4310", 30.0, 10.0),
     damiao("dm4340", 8.0, 28.0),
     damiao("dm6006", 45.0, 20.0),
@@ -116,8 +123,10 @@ impl Model {
 
 /// The motors by their identifiers, and which of them are to be enabled.
 struct Mit {
-    model: Model,
+    models: Vec<Model>,
     ids: Vec<u8>,
+    /// Frames have flexible data rate.
+    fd: bool,
     enabled: Vec<bool>,
     /// Of a Damiao, whether it said that it is enabled since it was told to be.
     confirmed: Vec<bool>,
@@ -125,10 +134,21 @@ struct Mit {
     faulty: Vec<bool>,
 }
 
+impl Mit {
+    /// Motors of one model, all disabled.
+    fn new(model: Model, ids: &[u8], fd: bool) -> Self {
+        let off = vec![false; ids.len()];
+        let (models, ids) = (vec![model; ids.len()], ids.to_vec());
+        Self { models, ids, fd, enabled: off.clone(), confirmed: off.clone(), faulty: off }
+    }
+}
+
 /// What a Damiao's state says.
 fn wrong(id: u8, state: u8) -> Option<Gone> {
     let (fault, cause) = match state {
         0 | 1 => return None,
+        5 => (DeviceFault::Motor, "its sensor"),
+        6 => (DeviceFault::Motor, "its parameters cannot be read"),
         8 => (DeviceFault::Supply, "over-voltage"),
         9 => (DeviceFault::Supply, "under-voltage"),
         0xa => (DeviceFault::Motor, "too much current"),
@@ -144,14 +164,14 @@ fn wrong(id: u8, state: u8) -> Option<Gone> {
 impl Protocol for Mit {
     fn command(&mut self, at: usize, torque_nm: Option<f64>, frames: &mut Vec<CanFdFrame>) {
         let id = u32::from(self.ids[at]);
-        let order = |what: u8| can::frame(id, &[0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, what], false);
+        let order = |what: u8| can::frame(id, &[0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, what], self.fd);
         match torque_nm.filter(|torque_nm| torque_nm.is_finite()) {
             Some(torque_nm) => {
                 if !self.enabled[at] {
                     frames.push(order(ENABLE));
                 }
                 self.enabled[at] = true;
-                frames.push(can::frame(id, &self.model.torque(torque_nm), false));
+                frames.push(can::frame(id, &self.models[at].torque(torque_nm), self.fd));
             }
             None => {
                 if self.faulty[at] {
@@ -166,14 +186,14 @@ impl Protocol for Mit {
     /// A Damiao is asked for its state as for a register. A T-Motor knows no question: a torque of zero, by which it lets go as well.
     fn ask(&self, at: usize) -> CanFdFrame {
         let id = self.ids[at];
-        match self.model.is_damiao {
-            true => can::frame(REGISTERS, &[id, 0, STATE, 0, 0, 0, 0, 0], false),
-            false => can::frame(id.into(), &self.model.torque(0.0), false),
+        match self.models[at].is_damiao {
+            true => can::frame(REGISTERS, &[id, 0, STATE, 0, 0, 0, 0, 0], self.fd),
+            false => can::frame(id.into(), &self.models[at].torque(0.0), self.fd),
         }
     }
 
     fn hear(&mut self, frame: &CanFdFrame) -> Option<(usize, Told, Option<Gone>)> {
-        let Model { is_damiao, .. } = self.model;
+        let is_damiao = self.models.iter().any(|model| model.is_damiao);
         let payload = frame.payload();
         let head = *payload.first()?;
         // A Damiao's first byte has its state above its identifier.
@@ -185,9 +205,9 @@ impl Protocol for Mit {
         }
         let mut data = [0; 8];
         data[..payload.len().min(8)].copy_from_slice(&payload[..payload.len().min(8)]);
-        let [angle_rad, speed_rad_per_s, torque_nm] = self.model.told(data);
+        let [angle_rad, speed_rad_per_s, torque_nm] = self.models[at].told(data);
         // What rounding leaves of no torque is none.
-        let torque_nm = if torque_nm.abs() <= self.model.step_nm() { 0.0 } else { torque_nm };
+        let torque_nm = if torque_nm.abs() <= self.models[at].step_nm() { 0.0 } else { torque_nm };
         let id = self.ids[at];
         let (mut trouble, temperature_c) = match is_damiao {
             true => (wrong(id, head >> 4), f64::from(data[6].max(data[7]))),
@@ -216,31 +236,41 @@ impl Protocol for Mit {
 }
 
 /// The four bytes of a Damiao's register.
-fn register(bus: &mut dyn Bus, id: u8, register: u8) -> Result<Option<[u8; 4]>, Error> {
+fn register(bus: &mut dyn Bus, id: u8, register: u8, fd: bool) -> Result<Option<[u8; 4]>, Error> {
     let ask = [id, 0, REGISTER, register, 0, 0, 0, 0];
-    bus.send(&[can::frame(REGISTERS, &ask, false)]).map_err(|cause| cause.to_string())?;
+    bus.send(&[can::frame(REGISTERS, &ask, fd)]).map_err(|cause| cause.to_string())?;
     can::next(bus, Instant::now() + PATIENCE, |frame| match frame.payload() {
         [who, _, REGISTER, which, value @ ..] if (*who, *which) == (id, register) => value.try_into().ok(),
         _ => None,
     })
 }
 
-/// How long these motors go on after the last frame, s; none if one goes on for ever.
-fn checked(bus: &mut dyn Bus, model: &Model, ids: &[u8]) -> Result<Option<f64>, Error> {
+/// Damiaos of this model after their checks, and how long they hold a force after the last frame, s: none if one holds it indefinitely.
+fn checked(bus: &mut dyn Bus, model: Model, ids: &[u8]) -> Result<(Mit, Option<f64>), Error> {
+    let is_silent = |id: &u8| register(bus, *id, TIMEOUT, false).map(|told| told.is_none());
+    let fd = ids.first().map_or(Ok(false), is_silent)?;
+    let mut said = |id: u8, which: u8| register(bus, id, which, fd)?.ok_or_else(|| Error::from(motors::silent(id)));
+    let mut motors = Mit::new(model, ids, fd);
     let mut longest_s: Option<f64> = Some(0.0);
-    for id in ids {
-        for (which, wanted) in ENDS.iter().zip(model.ends) {
-            let end = f32::from_le_bytes(register(bus, *id, *which)?.ok_or_else(|| motors::silent(*id))?);
+    for (id, own) in ids.iter().zip(&mut motors.models) {
+        let mode = u32::from_le_bytes(said(*id, CONTROL_MODE)?);
+        cohold_sim::refuse_if!(
+            mode != 1,
+            "motor {id} is in control mode {mode}, and has to be in 1, MIT's: set its register {CONTROL_MODE}"
+        );
+        for (which, end) in ENDS.into_iter().zip(&mut own.ends) {
+            let wanted = std::mem::replace(end, f32::from_le_bytes(said(*id, which)?).into());
             cohold_sim::refuse_if!(
-                (f64::from(end) / wanted - 1.0).abs() > 1e-3,
+                (*end / wanted - 1.0).abs() > 1e-3,
                 "motor {id} is no {}, or set up differently: its register {which} is {end}, and has to be {wanted}",
                 model.name
             );
+            cohold_sim::refuse_if!(!(1e-3..1e4).contains(end), "motor {id}: its register {which} is {end}, no range");
         }
-        let units = u32::from_le_bytes(register(bus, *id, TIMEOUT)?.ok_or_else(|| motors::silent(*id))?);
+        let units = u32::from_le_bytes(said(*id, TIMEOUT)?);
         longest_s = longest_s.filter(|_| units > 0).map(|longest_s| longest_s.max(TIMEOUT_S * f64::from(units)));
     }
-    Ok(longest_s)
+    Ok((motors, longest_s))
 }
 
 /// The motors' type, where it is said.
@@ -258,11 +288,13 @@ pub(super) fn model(options: &DeviceOptions) -> Result<Option<Model>, String> {
 pub(super) fn open(at: &str, options: &DeviceOptions, settings: &Settings) -> Result<Box<dyn Port>, Error> {
     motors::open("MIT motors", (at, options, settings), |bus, ids, most_nm| {
         let model = model(options)?.ok_or("their type is not said: --device-model")?;
-        let lets_go_s = if model.is_damiao { checked(bus, &model, &ids)? } else { options.lets_go_s };
-        let off = vec![false; ids.len()];
-        let protocol = Mit { model, ids, enabled: off.clone(), confirmed: off.clone(), faulty: off };
+        let (protocol, lets_go_s) = match model.is_damiao {
+            true => checked(bus, model, &ids)?,
+            false => (Mit::new(model, &ids, false), options.lets_go_s),
+        };
+        let most_nm = protocol.models.iter().fold(most_nm, |most_nm, model| most_nm.min(model.ends[2]));
         // No motor of these says that it has a home.
-        Ok(Ready { protocol, name: model.name, is_homed: false, lets_go_s, most_nm: most_nm.min(model.ends[2]) })
+        Ok(Ready { protocol, name: model.name, is_homed: false, lets_go_s, most_nm })
     })
 }
 

@@ -56,6 +56,12 @@ fn fault(code: i8) -> (DeviceFault, &'static str) {
         41 => (DeviceFault::Motor, "its settings changed"),
         42 | 43 => (DeviceFault::Motor, "its angle or position is not valid"),
         44 => (DeviceFault::Motor, "its bridge's driver cannot be enabled"),
+        45 => (DeviceFault::Motor, "a stop position was asked for"),
+        46 => (DeviceFault::Motor, "its control loop was late"),
+        47 => (DeviceFault::Motor, "feed-forward of its back-EMF needs a limit of acceleration"),
+        48 => (DeviceFault::Motor, "its limits of position are not valid"),
+        49 => (DeviceFault::Motor, "too far from its position"),
+        50 => (DeviceFault::Motor, "too far from its speed"),
         _ => (DeviceFault::Motor, "moteus' register map says which"),
     }
 }
@@ -140,22 +146,30 @@ fn answer(bus: &mut dyn Bus, id: u8, by: Instant) -> Result<Option<CanFdFrame>, 
     can::next(bus, by, |frame| of(frame).then(|| frame.clone()))
 }
 
+/// Writes this line to a motor's console. Without a line it reads the next text, which may be empty: none if the motor does not answer.
+fn console(bus: &mut dyn Bus, id: u8, line: Option<&str>, by: Instant) -> Result<Option<Vec<u8>>, Error> {
+    let mut out = [0; 64];
+    let len = match line {
+        Some(line) => write_client_to_server(CONSOLE, line.as_bytes(), &mut out),
+        None => write_client_poll(CONSOLE, 48, &mut out),
+    };
+    let to = calculate_arbitration_id(0, id.cast_signed(), 0, line.is_none());
+    let asks = can::frame(to, &out[..usize::from(len)], true);
+    bus.send(&[asks]).map_err(|cause| cause.to_string())?;
+    let told = if line.is_none() { answer(bus, id, by)? } else { None };
+    Ok(told.map(|frame| parse_server_to_client(frame.payload(), CONSOLE).unwrap_or_default().to_vec()))
+}
+
 /// What a motor's console answers to `conf get` of this setting.
 fn setting(bus: &mut dyn Bus, id: u8, name: &str) -> Result<Option<String>, Error> {
-    let sent = |bus: &mut dyn Bus, payload: &[u8], reply: bool| {
-        let to = calculate_arbitration_id(0, id.cast_signed(), 0, reply);
-        bus.send(&[can::frame(to, payload, true)]).map_err(|cause| Error::from(cause.to_string()))
-    };
-    let mut out = [0; 64];
-    let len = write_client_to_server(CONSOLE, format!("conf get {name}\n").as_bytes(), &mut out);
-    sent(bus, &out[..usize::from(len)], false)?;
     let by = Instant::now() + PATIENCE;
+    // A viewer may have left its telemetry on.
+    console(bus, id, Some("tel stop\n"), by)?;
+    while console(bus, id, None, by)?.is_some_and(|text| !text.is_empty()) {}
+    console(bus, id, Some(&format!("conf get {name}\n")), by)?;
     let mut text = Vec::new();
-    while Instant::now() < by {
-        let len = write_client_poll(CONSOLE, 48, &mut out);
-        sent(bus, &out[..usize::from(len)], true)?;
-        let Some(frame) = answer(bus, id, by)? else { break };
-        text.extend_from_slice(parse_server_to_client(frame.payload(), CONSOLE).unwrap_or_default());
+    while let Some(more) = console(bus, id, None, by)? {
+        text.extend(more);
         if let Some(end) = text.iter().position(|byte| *byte == b'\n') {
             return Ok(Some(String::from_utf8_lossy(&text[..end]).trim().to_owned()));
         }

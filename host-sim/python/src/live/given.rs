@@ -6,10 +6,10 @@ use std::sync::Arc;
 use cohold_cli::live_peer::{self, OF_A_HAND};
 use cohold_live::devices::{DeviceOptions, Kind, Own};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString};
+use pyo3::types::PyString;
 
 use crate::device::PythonDevice;
-use crate::scene::Scene;
+use crate::scene::{Named, Scene};
 use crate::work::refused;
 
 /// The words of a device's flags as Python's own names: `--device-axes` is `device_axes`.
@@ -29,11 +29,10 @@ fn word(value: &Bound<'_, PyAny>) -> PyResult<String> {
 }
 
 /// The device that is meant: by the command line's name, or an object of Python's.
-pub(super) fn device_of(given: &Bound<'_, PyAny>, settings: Option<&Bound<'_, PyDict>>) -> PyResult<DeviceOptions> {
+pub(super) fn device_of(given: &Bound<'_, PyAny>, settings: Option<Named<'_>>) -> PyResult<DeviceOptions> {
     let name = given.extract::<String>().ok();
     let mut words = vec![format!("--device={}", name.as_deref().unwrap_or("simulated"))];
-    for (key, value) in settings.into_iter().flatten() {
-        let key: String = key.extract()?;
+    for (key, value) in settings.into_iter().flat_map(|all| all.0) {
         let flag = key.strip_prefix("device_").map(|rest| format!("--device-{}", rest.replace('_', "-")));
         let flag = flag.ok_or_else(|| {
             refused(format!("{key} is not known: what is told of a device begins with device_, as device_axes"))

@@ -295,6 +295,7 @@ function take(bytes) {
   }
   if (view.getUint8(18) !== kind) showKind(view.getUint8(18));
   samples.take(first, rows, performance.now());
+  document.body.classList.toggle("untouched", !samples.touched && !hello.boards);
   next = samples.next;
   if (samples.moved >= first) wake();
   if (samples.newest("restarts") !== restarts) {

@@ -22,6 +22,8 @@ export class Samples {
   /** Tick of the newest row in which something moved that is seen, and when it came, ms. */
   moved = 0;
   movedAt = 0;
+  /** Something has been elsewhere than at zero. */
+  touched = false;
   /** Tick of the moment that is shown; none: the newest. @type {number | undefined} */
   #at = undefined;
   /** From which tick on samples are looked at while the moment stands; and where they are, once newer ones have taken their place.
@@ -41,6 +43,7 @@ export class Samples {
     this.#width = columns.length + 1;
     this.#numbers = new Float32Array(KEPT * this.#width);
     this.#rest = new Float32Array(this.#width).fill(NaN);
+    this.touched = false;
     const seen = columns.map(({ name, unit }) =>
       OF_LINE.test(name) ? Infinity : (SEEN[/** @type {keyof typeof SEEN} */ (unit)] ?? Infinity),
     );
@@ -86,6 +89,7 @@ export class Samples {
     for (let row = 0; row < (recorded ? 0 : count); row++) {
       const at = row * this.#width;
       if (this.#rests(rows, at)) continue;
+      this.touched ||= this.#seen.some((seen, column) => Math.abs(rows[at + column] ?? NaN) > seen);
       this.#rest.set(rows.subarray(at, at + this.#width));
       [this.moved, this.movedAt] = [first + row, now];
     }

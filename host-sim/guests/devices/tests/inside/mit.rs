@@ -7,8 +7,7 @@ fn model(name: &str) -> Model {
 }
 
 fn motors(name: &str) -> Mit {
-    let off = vec![false];
-    Mit { model: model(name), ids: vec![3], enabled: off.clone(), confirmed: off.clone(), faulty: off }
+    Mit::new(model(name), &[3], false)
 }
 
 /// Zero is between two steps of each range: 0x7fff and 0x8000. The gains begin at zero.
@@ -20,7 +19,7 @@ fn a_torque_is_eight_bytes() {
     assert_eq!(damiao.torque(3.0), [0x80, 0x00, 0x80, 0x00, 0x00, 0x00, 0x0a, 0x66]);
     assert_eq!(damiao.torque(-99.0)[6..], [0x00, 0x00], "no more than the range");
     for torque_nm in [-10.0, -0.3, 0.0, 0.0024, 7.7, 10.0] {
-        for model in MODELS {
+        for model in MODELS.into_iter().filter(|model| model.ends[0].is_finite()) {
             let word = u64::from_be_bytes(model.torque(torque_nm)) & 0xfff;
             let off_nm = (number(word, model.ends[2], 12) - torque_nm).abs();
             assert!(off_nm <= 0.501 * model.step_nm(), "{}: {off_nm} N·m off at {torque_nm}", model.name);
