@@ -131,7 +131,7 @@ def run(program):
                 status, said = done(block, folder, place)
                 # 1: it is done, and the result is a bad one, which the page says.
                 if status not in (0, 1):
-                    wrong.append(f"{name}: exit status {status}\n{said[-1000:]}")
+                    wrong.append(f"{name}: exit status {status}\n{said[-4000:]}")
                     break
     return wrong
 

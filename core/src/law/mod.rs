@@ -4,8 +4,8 @@
 //! makes one [`Packet`] ([`Law::send`]), which goes out unless it is not worth sending ([`Law::speaks`], [`event`]); it
 //! takes in the other peer's packets ([`Law::receive`]). **A law is one file** with its [`LawInfo`]: its name, what it
 //! sends, its own keys, the gains to try. In this crate the file, its `pub mod` and one line in the list below make it
-//! known to simulator, analyser, campaign and reports, and a line in `cohold_laws`' list to a board. A crate outside passes it to them. [`free`] is the
-//! smallest law.
+//! known to simulator, analyser, campaign and reports, and a line in the list of `cohold_laws` makes it known to a board. A
+//! crate outside passes it to them. [`free`] is the smallest law.
 //!
 //! Sign: the coordination force F_T acts on the local copy, F_T = K_T·(x_d − x_o) + B_T·(ẋ_d − ẋ_o)
 //! (cooperation paper §3, eq. 7).

@@ -12,7 +12,7 @@ use cohold_studies::{force, transparency};
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::flags::{Out, Time, choice, number};
+use super::flags::{Out, SCENE, Time, choice, number};
 use super::{Failure, SceneArgs, Ui, ui::pictures};
 
 /// Width of the figures of every numerical choice: names of dots in eight panels need a page of a journal, mm.
@@ -223,7 +223,7 @@ impl Force {
 }
 
 #[derive(Debug, Args)]
-#[command(mut_arg("scene", |scene| scene.default_value("leader-follower").help("Scene file (TOML) or the name of a built-in scene")))]
+#[command(mut_arg("scene", |scene| scene.default_value("leader-follower").help(SCENE)))]
 pub(crate) struct Transparency {
     #[command(flatten)]
     scene: SceneArgs,

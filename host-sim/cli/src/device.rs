@@ -1,5 +1,6 @@
 //! The flags of a device that is really there: what is told about it, which is in no table of the scene.
 
+use std::collections::BTreeSet;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
@@ -77,26 +78,19 @@ type Place = [f64; AXES];
 
 fn motors(text: &str) -> Result<Motors, String> {
     let one = |word: &str| {
-        let id = word.trim_start_matches('-');
-        let sign = if word.starts_with('-') { -1.0 } else { 1.0 };
+        let (id, sign) = word.strip_prefix('-').map_or((word, 1.0), |id| (id, -1.0));
         id.parse().ok().filter(|id: &u8| (1..=126).contains(id)).map(|id| (id, sign))
     };
     let found: Option<Vec<_>> = text.split(',').map(one).collect();
-    let mut found = found.filter(|found| found.len() <= AXES).unwrap_or_default();
-    let all = found.clone();
-    found.sort_by_key(|(id, _)| *id);
-    found.dedup_by_key(|(id, _)| *id);
-    if !all.is_empty() && found.len() == all.len() {
-        return Ok(Motors(all));
-    }
-    Err("one to three different identifiers from 1 to 126, as 1,-2".to_owned())
+    let differ = |all: &Vec<(u8, _)>| all.iter().map(|(id, _)| id).collect::<BTreeSet<_>>().len() == all.len();
+    let fit = found.filter(|all| all.len() <= AXES && differ(all)).map(Motors);
+    fit.ok_or_else(|| "one to three different identifiers from 1 to 126, as 1,-2".to_owned())
 }
 
 fn axes(text: &str) -> Result<Axes, String> {
     let allowed = || "three different ones of x, y and z, as x,z,-y".to_owned();
     let axis = |word: &str| {
-        let name = word.trim_start_matches('-');
-        let sign = if word.starts_with('-') { -1.0 } else { 1.0 };
+        let (name, sign) = word.strip_prefix('-').map_or((word, 1.0), |name| (name, -1.0));
         NAMES.iter().position(|known| *known == name).map(|at| (at, sign))
     };
     let found: Option<Vec<_>> = text.split(',').map(axis).collect();

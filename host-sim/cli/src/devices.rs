@@ -13,11 +13,11 @@ use cohold_sim::scene::Device;
 use serde_json::json;
 
 use super::device::DeviceArgs;
-use super::flags::number;
+use super::flags::{SCENE, number};
 use super::{Failure, SceneArgs, Ui};
 
 #[derive(Debug, Args)]
-#[command(mut_arg("scene", |scene| scene.default_value("any-network").help("Scene file (TOML) or the name of a built-in scene")))]
+#[command(mut_arg("scene", |scene| scene.default_value("any-network").help(SCENE)))]
 #[command(args_conflicts_with_subcommands = true)]
 pub(super) struct Devices {
     /// Look there as well: ADDRESS:PORT of Haply's service, a serial port, a CAN interface.

@@ -32,6 +32,9 @@ const LONGEST_S: f64 = 86_400.0;
 /// Longest time of what runs by the clock, s: 100 years, which is no limit but for slips of the pen.
 const LONGEST_LIVE_S: f64 = 3.2e9;
 
+/// The help of a `--scene` that has a default.
+pub const SCENE: &str = "Scene file (TOML) or the name of a built-in scene";
+
 /// Which scene, and what to change in it.
 #[derive(Clone, Debug, Args)]
 #[command(arg(listing("keys", "List every key of a scene: unit, default, range, meaning")))]

@@ -9,13 +9,13 @@ use cohold_live::watch::LiveOptions;
 
 use super::address::endpoint;
 use super::device::DeviceArgs;
-use super::flags::{LiveTime, Patience, Watching};
+use super::flags::{LiveTime, Patience, SCENE, Watching};
 use super::road::Met;
 use super::{Failure, SceneArgs, Ui, ui::Unsuccessful};
 use crate::live_peer::LivePeer;
 
 #[derive(Debug, Args)]
-#[command(mut_arg("scene", |scene| scene.default_value("any-network").help("Scene file (TOML) or the name of a built-in scene")))]
+#[command(mut_arg("scene", |scene| scene.default_value("any-network").help(SCENE)))]
 pub(super) struct Peer {
     #[command(flatten)]
     scene: SceneArgs,

@@ -124,10 +124,9 @@ fn serve_lines(
     for line in lines.split(b'\n').map_while(Result::ok) {
         let line = String::from_utf8_lossy(&line).into_owned();
         let Some(sent) = line.strip_prefix("can send ") else {
-            if line.trim().is_empty() {
-                continue;
+            if !line.trim().is_empty() {
+                let _ = port.write_all(b"ERR unknown command\r\n");
             }
-            let _ = port.write_all(b"ERR unknown command\r\n");
             continue;
         };
         let mut words = sent.split(' ');

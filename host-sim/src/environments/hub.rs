@@ -1,14 +1,14 @@
 //! `cohold shared hub`: where 2 to 16 live peers meet.
 
 use clap::Args;
-use cohold_cli::flags::{End, Patience, Watching};
+use cohold_cli::flags::{End, Patience, SCENE, Watching};
 use cohold_cli::{Failure, SceneArgs, Ui};
 use cohold_environments::cooperative::MOST_USERS;
 use cohold_environments::live::hub;
 use cohold_live::endpoint::{Span, Stop};
 
 #[derive(Debug, Args)]
-#[command(mut_arg("scene", |scene| scene.default_value("hub").help("Scene file (TOML) or the name of a built-in scene")))]
+#[command(mut_arg("scene", |scene| scene.default_value("hub").help(SCENE)))]
 pub(super) struct Hub {
     #[command(flatten)]
     scene: SceneArgs,

@@ -257,8 +257,7 @@ mod unix {
             use rustix::net::{SendFlags, send};
             for frame in frames {
                 match send(&self.0, &super::kernel::message(frame), SendFlags::DONTWAIT | SendFlags::NOSIGNAL) {
-                    // The last: an interface without flexible data rate refuses such a frame.
-                    Ok(_) | Err(rustix::io::Errno::AGAIN | rustix::io::Errno::NOBUFS | rustix::io::Errno::INVAL) => {}
+                    Ok(_) | Err(rustix::io::Errno::AGAIN | rustix::io::Errno::NOBUFS) => {}
                     Err(cause) => return Err(cause.into()),
                 }
             }

@@ -89,45 +89,34 @@ pub(super) fn place(at: &str) -> Result<SocketAddr, String> {
 /// There is no service, it is too old, it does not take the preset, or its device is not fit.
 pub(super) fn open(at: &str, options: &DeviceOptions, _: &Settings) -> Result<Box<dyn Port>, Error> {
     let at = place(at)?;
-    let (id, lets_go_s, silent) = (options.id.as_deref(), options.lets_go_s, Duration::from_secs_f64(options.silent_s));
-    let failed =
-        |what: &str, cause: &dyn std::fmt::Display| Error::from(format!("Haply's service at {at}: {what}{cause}"));
-    let stream = TcpStream::connect_timeout(&at, PATIENCE).map_err(|cause| failed("", &cause))?;
-    let waits = |for_: Duration| stream.set_read_timeout(Some(for_)).and_then(|()| stream.set_nodelay(true));
-    waits(PATIENCE).and_then(|()| stream.set_write_timeout(Some(PATIENCE))).map_err(|cause| failed("", &cause))?;
-    let own = stream.try_clone().map_err(|cause| failed("", &cause))?;
-    let (mut socket, _) = client(format!("ws://{at}/"), own).map_err(|cause| failed("no WebSocket: ", &cause))?;
-    let hear = |socket: &mut WebSocket<TcpStream>| -> Result<(String, Value), Error> {
-        let text = socket.read().and_then(Message::into_text).map_err(|cause| failed("no answer: ", &cause))?;
-        let told = serde_json::from_str(&text).map_err(|cause| failed("not JSON: ", &cause))?;
-        Ok((text.chars().take(QUOTED).collect(), told))
-    };
+    let port = super::once_there(|| service(at, PATIENCE)).and_then(|socket| attached(socket, options));
+    Ok(Box::new(port.map_err(|cause| format!("Haply's service at {at}: {cause}"))?))
+}
+
+/// The Inverse3 of this service that these options name.
+fn attached(mut socket: WebSocket<TcpStream>, options: &DeviceOptions) -> Result<Threaded, Error> {
     let (_, told) = hear(&mut socket)?;
-    let device = listed(&told, id).ok_or_else(|| match id {
-        Some(id) => failed("it lists no Inverse3 ", &id),
-        None => failed("it lists no Inverse3", &""),
-    })?;
+    let device = listed(&told, options.id.as_deref())
+        .ok_or_else(|| format!("it lists no Inverse3 {}", options.id.as_deref().unwrap_or_default()))?;
     let id = device["device_id"].as_str().unwrap_or_default().to_owned();
     let hello = json!({
         "session": { "configure": { "profile": { "name": "cohold", "required_version": ">=3.5" } } },
         "inverse3": [{ "device_id": id, "configure": { "preset": { "preset": PRESET } },
             "commands": { "set_cursor_force": { "vector": { "x": 0.0, "y": 0.0, "z": 0.0 } } } }]
     });
-    socket.send(Message::text(hello.to_string())).map_err(|cause| failed("", &cause))?;
+    socket.send(Message::text(hello.to_string())).map_err(|cause| cause.to_string())?;
     let (quoted, told) = hear(&mut socket)?;
     // A session has a number from 3.5 on.
     if told["session_id"].is_null() {
-        return Err(failed(
-            "it is older than 3.5, or refused the session or the preset ",
-            &format!("{PRESET}: {quoted}"),
-        ));
+        let why = format!("it is older than 3.5, or refused the session or the preset {PRESET}: {quoted}");
+        return Err(why.into());
     }
-    let device = listed(&told, Some(&id))
-        .ok_or_else(|| failed("it refused the session or the preset ", &format!("{PRESET}: {quoted}")))?;
+    let device =
+        listed(&told, Some(&id)).ok_or_else(|| format!("it refused the session or the preset {PRESET}: {quoted}"))?;
     if let Some(lacks) = lacks(device) {
-        return Err(failed("", &format!("Inverse3 {id} {lacks}: it is not armed")));
+        return Err(format!("Inverse3 {id} {lacks}: it is not armed").into());
     }
-    waits(LOOK).map_err(|cause| failed("", &cause))?;
+    socket.get_ref().set_read_timeout(Some(LOOK)).map_err(|cause| cause.to_string())?;
     let grip = told["wireless_verse_grip"].as_array().is_some_and(|grips| !grips.is_empty());
     let abilities = Abilities {
         name: format!("Inverse3 {id}"),
@@ -135,10 +124,31 @@ pub(super) fn open(at: &str, options: &DeviceOptions, _: &Settings) -> Result<Bo
         // The service names neither.
         is_homed: device["status"]["calibrated"] == true,
         buttons: if grip { BUTTONS.len() } else { 0 },
-        lets_go_s,
+        lets_go_s: options.lets_go_s,
         ..Abilities::default()
     };
-    Ok(Box::new(Threaded::start(abilities, silent, Service { socket, id, asked: VecDeque::new() })?))
+    let silent = Duration::from_secs_f64(options.silent_s);
+    Threaded::start(abilities, silent, Service { socket, id, asked: VecDeque::new() })
+}
+
+/// The service at this place, if it is there within this time.
+fn service(at: SocketAddr, wait: Duration) -> Result<WebSocket<TcpStream>, Error> {
+    let ready = || {
+        let stream = TcpStream::connect_timeout(&at, wait)?;
+        stream.set_nodelay(true)?;
+        stream.set_read_timeout(Some(PATIENCE))?;
+        stream.set_write_timeout(Some(PATIENCE))?;
+        Ok(stream)
+    };
+    let stream = ready().map_err(|cause: std::io::Error| cause.to_string())?;
+    Ok(client(format!("ws://{at}/"), stream).map_err(|cause| format!("no WebSocket: {cause}"))?.0)
+}
+
+/// The next thing that the service says, and the beginning of its text.
+fn hear(socket: &mut WebSocket<TcpStream>) -> Result<(String, Value), Error> {
+    let text = socket.read().and_then(Message::into_text).map_err(|cause| format!("no answer: {cause}"))?;
+    let told = serde_json::from_str(&text).map_err(|cause| format!("not JSON: {cause}"))?;
+    Ok((text.chars().take(QUOTED).collect(), told))
 }
 
 /// What the service at this place lists, device by device.
@@ -146,11 +156,7 @@ pub(super) fn open(at: &str, options: &DeviceOptions, _: &Settings) -> Result<Bo
 /// # Errors
 /// There is none.
 pub(super) fn found(at: SocketAddr) -> Result<Vec<String>, Error> {
-    let stream = TcpStream::connect_timeout(&at, LOOKS).map_err(|cause| cause.to_string())?;
-    stream.set_read_timeout(Some(PATIENCE)).map_err(|cause| cause.to_string())?;
-    let (mut socket, _) = client(format!("ws://{at}/"), stream).map_err(|cause| cause.to_string())?;
-    let text = socket.read().and_then(Message::into_text).map_err(|cause| cause.to_string())?;
-    let told: Value = serde_json::from_str(&text).map_err(|cause| cause.to_string())?;
+    let (_, told) = hear(&mut service(at, LOOKS)?)?;
     let each = |device: &Value| {
         let id = device["device_id"].as_str().unwrap_or_default();
         format!("Inverse3 {id}, which {}", lacks(device).unwrap_or("is ready"))

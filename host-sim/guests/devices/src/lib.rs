@@ -16,9 +16,25 @@ mod mit;
 mod moteus;
 mod motors;
 
+use std::time::Duration;
+
 use cohold_live::devices::Adapter;
 
 pub use emulate::Emulation;
+
+/// Most attempts to reach the program behind a device, which may be starting, and the pause between two.
+const LOOKS: (usize, Duration) = (60, Duration::from_millis(50));
+
+/// The last result of the attempts to reach it.
+fn once_there<T, E>(look: impl Fn() -> Result<T, E>) -> Result<T, E> {
+    for _ in 1..LOOKS.0 {
+        match look() {
+            Err(_) => std::thread::sleep(LOOKS.1),
+            found => return found,
+        }
+    }
+    look()
+}
 
 /// The adapters of these devices, and how each looks for what is attached.
 pub const ADAPTERS: [Adapter; 3] = [

@@ -247,8 +247,9 @@ fn register(bus: &mut dyn Bus, id: u8, register: u8, fd: bool) -> Result<Option<
 
 /// Damiaos of this model after their checks, and how long they hold a force after the last frame, s: none if one holds it indefinitely.
 fn checked(bus: &mut dyn Bus, model: Model, ids: &[u8]) -> Result<(Mit, Option<f64>), Error> {
-    let is_silent = |id: &u8| register(bus, *id, TIMEOUT, false).map(|told| told.is_none());
-    let fd = ids.first().map_or(Ok(false), is_silent)?;
+    // An interface that carries no such frames refuses them.
+    let mut answers = |fd| ids.first().is_some_and(|id| matches!(register(bus, *id, TIMEOUT, fd), Ok(Some(_))));
+    let fd = !answers(false) && answers(true);
     let mut said = |id: u8, which: u8| register(bus, id, which, fd)?.ok_or_else(|| Error::from(motors::silent(id)));
     let mut motors = Mit::new(model, ids, fd);
     let mut longest_s: Option<f64> = Some(0.0);

@@ -89,7 +89,7 @@ pub(super) fn open<P: Protocol>(
         let (ids, signs): (Vec<u8>, Vec<f64>) = options.motors.iter().copied().unzip();
         let (axes, list) = (ids.len(), ids.iter().map(u8::to_string).collect::<Vec<_>>().join(", "));
         let mechanism = Mechanism::build(settings, axes)?;
-        let mut bus = can::open(at)?;
+        let mut bus = super::once_there(|| can::open(at))?;
         let ready = ready(&mut *bus, ids, most_nm)?;
         let mut motors = Motors::new(bus, ready.protocol, mechanism, signs, ready.most_nm);
         let pose = motors.first()?;
