@@ -26,8 +26,8 @@ use super::verdict::Judging;
 use super::watch::{LiveOptions, TELLING_S, Watch};
 use crate::devices::Seen;
 use crate::refused::{Refused, is_telling, wrong};
-use crate::{key_file::entropy, node::Node, start::AFTER_US};
-pub use report::{AxisReport, Forces, Ports, RemoteReport, Report, notice_texts};
+use crate::{key_file::entropy, node::Node, start::AFTER_US, tell::Noticed};
+pub use report::{AxisReport, Forces, Ports, RemoteReport, Report};
 
 /// How long a peer that refuses the other one, or whose device is gone, goes on, so that the other learns of it as well, µs.
 const LINGER_US: u64 = 500_000;
@@ -405,7 +405,7 @@ where
         verdict,
         verdicts,
         refused: refused_us.is_some(),
-        notices: notice_texts(&line.notices),
+        notices: Noticed::all(&line.notices),
         round_trip_us: link.clock().round_trip_us(),
         jitter_us: link.clock().jitter_us(),
         clock_offset_us: link.clock().offset_us(endpoint.now_ns() / 1_000),

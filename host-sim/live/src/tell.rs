@@ -144,8 +144,32 @@ impl Second {
     }
 }
 
-/// What a notice of a link means.
-pub fn words(notice: &Notice) -> String {
+/// A notice of a link, as reports and lines have it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Noticed {
+    /// Since the start, s.
+    pub time_s: f64,
+    /// Its name.
+    pub notice: String,
+    /// What it means.
+    pub words: String,
+}
+
+impl Noticed {
+    /// Of one link, with their times, µs.
+    pub fn all<'a>(notices: impl IntoIterator<Item = &'a (u64, Notice)>) -> Vec<Self> {
+        notices.into_iter().map(|(at_us, notice)| Self::new(*at_us, "", notice)).collect()
+    }
+
+    /// At this time, µs; `whose` is empty where there is one link only.
+    pub fn new(time_us: u64, whose: &str, notice: &Notice) -> Self {
+        let mut name = format!("{whose}{notice:?}");
+        name.truncate(name.find('(').unwrap_or(name.len()));
+        Self { time_s: time_us as f64 / 1e6, notice: name, words: format!("{whose}{}", words(notice)) }
+    }
+}
+
+fn words(notice: &Notice) -> String {
     match notice {
         Notice::Joined => "the other end is there and holds the key: a session has begun".to_owned(),
         Notice::NewPeer(0) => "the other end is here for the first time, or has started anew".to_owned(),
@@ -153,7 +177,7 @@ pub fn words(notice: &Notice) -> String {
             format!("the other end has started anew: {dropped} events that it had not taken are dropped")
         }
         Notice::Engaged => "flow comes: the coordination begins from rest".to_owned(),
-        Notice::Fading => "no flow for 3 packet periods: the coordination lets go, little by little".to_owned(),
+        Notice::Fading => "no flow for 3 packet periods: a law that fades begins to release".to_owned(),
         Notice::Resumed => "flow comes again: the coordination takes hold from where it was".to_owned(),
         Notice::Disengaged => {
             "the coordination has let go: nothing came for too long, or the session has ended".to_owned()
@@ -171,16 +195,12 @@ pub fn words(notice: &Notice) -> String {
     }
 }
 
-fn path_words(words: &str) -> String {
-    format!("the path is now: {words}")
-}
-
 /// A line that waits, as JSON has it.
 #[derive(Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 enum Line {
     Second(Box<Second>),
-    Notice { time_s: f64, notice: String, words: String },
+    Notice(Noticed),
     Path { time_s: f64, path: PathSecond, words: String },
     Words { words: String },
 }
@@ -225,15 +245,15 @@ impl Teller {
 
     /// Something has happened to a link; `whose` is empty where there is one only.
     pub fn notice(&self, time_us: u64, whose: &str, notice: &Notice) {
-        let words = format!("{whose}{}", words(notice));
-        self.record(Some(time_us), &words);
-        self.put(Line::Notice { time_s: time_us as f64 * 1e-6, notice: format!("{whose}{notice:?}"), words });
+        let noticed = Noticed::new(time_us, whose, notice);
+        self.record(Some(time_us), &noticed.words);
+        self.put(Line::Notice(noticed));
     }
 
     /// Flow goes another way.
     pub fn path(&self, time_us: u64, path: &PathSecond) {
-        let words = path.words();
-        self.record(Some(time_us), &path_words(&words));
+        let words = format!("the path is now: {}", path.words());
+        self.record(Some(time_us), &words);
         self.put(Line::Path { time_s: time_us as f64 * 1e-6, path: *path, words });
     }
 
@@ -278,8 +298,7 @@ fn say(lines: &Receiver<Line>, manner: Manner) {
                 Line::Second(_) if manner == Manner::Events => continue,
                 Line::Second(second) => (false, second.words()),
                 Line::Words { words } => (false, words),
-                Line::Notice { words, .. } => (true, words),
-                Line::Path { words, .. } => (true, path_words(&words)),
+                Line::Notice(Noticed { words, .. }) | Line::Path { words, .. } => (true, words),
             };
             let shown = if about_the_network { limiter.shown(Instant::now(), words) } else { Some(words) };
             shown.into_iter().for_each(cohold_io::say);

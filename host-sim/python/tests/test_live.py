@@ -198,7 +198,7 @@ def test_the_other_process_is_killed_and_this_one_lets_go(line):
             until(lambda: zero_for(peer, 0.5), cohold.Scene("any-network")["safety.fade_s"] + 2.0)
             assert peer.state.fault is None
             report = peer.stop()
-        said = [said for _, said in report["notices"]]
+        said = [said["notice"] for said in report["notices"]]
         assert "Fading" in said and "Lost" not in said, said
     finally:
         child.kill()
@@ -214,7 +214,7 @@ def test_whatever_ends_the_other_says_goodbye(line, then):
             assert child.stdout is not None and child.stdout.readline() == "armed\n"
             until(lambda: zero_for(peer, 0.3), 3.0)
             report = peer.stop()
-        said = [said for _, said in report["notices"]]
+        said = [said["notice"] for said in report["notices"]]
         assert "Lost" in said and "Fading" not in said, said
     finally:
         child.kill()

@@ -46,7 +46,7 @@ fn number(document: &Value, key: &str) -> f64 {
 
 /// What was reported of an end, in order.
 fn notices(of: &Value) -> Vec<&str> {
-    of["notices"].as_array().expect("a list").iter().filter_map(|one| one[1].as_str()).collect()
+    of["notices"].as_array().expect("a list").iter().filter_map(|one| one["notice"].as_str()).collect()
 }
 
 /// Flow both ways for a while, and a goodbye.

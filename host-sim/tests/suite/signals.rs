@@ -10,13 +10,14 @@ use crate::program::{Keys, cohold, free, report, signal};
 /// When a notice was given, s.
 fn when(notices: &Value, wanted: &str) -> Option<f64> {
     let notices = notices.as_array().expect("a list");
-    notices.iter().find(|notice| notice[1] == wanted).and_then(|notice| notice[0].as_f64())
+    notices.iter().find(|notice| notice["notice"] == wanted).and_then(|notice| notice["time_s"].as_f64())
 }
 
 /// Whether the other end said that it goes: who falls silent fades first, and is lost later. Before that a busy machine may have made a line
 /// fade, which came back.
 fn said_goodbye(notices: &Value) -> bool {
-    let names: Vec<&str> = notices.as_array().expect("a list").iter().filter_map(|notice| notice[1].as_str()).collect();
+    let names: Vec<&str> =
+        notices.as_array().expect("a list").iter().filter_map(|notice| notice["notice"].as_str()).collect();
     let Some(lost) = names.iter().position(|name| *name == "Lost") else { return false };
     let line = names[..lost].iter().rfind(|name| ["Engaged", "Fading", "Resumed"].contains(name));
     line != Some(&"Fading") && when(notices, "Disengaged") == when(notices, "Lost")

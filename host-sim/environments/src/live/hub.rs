@@ -4,8 +4,8 @@
 use cohold_core::num::Motion;
 use cohold_live::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
 use cohold_live::key_file::entropy;
-use cohold_live::peer::{RemoteReport, notice_texts};
 use cohold_live::watch::{LiveOptions, LiveSummary};
+use cohold_live::{peer::RemoteReport, tell::Noticed};
 use cohold_protocol::key::Key;
 use cohold_sim::engine::{Actor, Out};
 use cohold_sim::run::AXIS_NAMES;
@@ -45,8 +45,8 @@ pub struct LineReport {
     pub datagrams_taken: u32,
     /// Sealed datagrams of the peer that never came.
     pub datagrams_missing: u32,
-    /// What the link reported last, in order, with the time in s since the start.
-    pub notices: Vec<(f64, String)>,
+    /// What the link reported last, in order.
+    pub notices: Vec<Noticed>,
 }
 
 impl LineReport {
@@ -65,7 +65,7 @@ impl LineReport {
             round_trip_us: end.link.clock().round_trip_us(),
             datagrams_taken: counts.taken,
             datagrams_missing: counts.missing,
-            notices: notice_texts(&end.notices),
+            notices: Noticed::all(&end.notices),
         }
     }
 }

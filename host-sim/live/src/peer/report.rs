@@ -1,7 +1,6 @@
 //! What one peer in real time saw, as its report has it.
 
 use crate::road::PathReport;
-use cohold_protocol::link::Notice;
 use cohold_protocol::wire::Telemetry;
 use cohold_sim::measure::Statistics;
 use cohold_sim::measure::port::PortEnergy;
@@ -9,6 +8,8 @@ use serde::Serialize;
 
 use crate::devices::DeviceReport;
 use crate::endpoint::Punctuality;
+use crate::recording::recorder::mode_words;
+use crate::tell::Noticed;
 use crate::verdict::Verdict;
 use crate::watch::LiveSummary;
 
@@ -41,10 +42,11 @@ pub struct Report {
     pub verdict: Option<Verdict>,
     /// Every change of that which was said, with the time in s since the start.
     pub verdicts: Vec<(f64, String)>,
-    /// It never armed, for its scene was unstable.
+    /// It never armed, for its scene was unstable; absent of one that was not refused.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub refused: bool,
-    /// What the link reported, in order, with the time in s since the start.
-    pub notices: Vec<(f64, String)>,
+    /// What the link reported, in order.
+    pub notices: Vec<Noticed>,
     /// Smoothed round trip of the link, µs; none if none was measured.
     pub round_trip_us: Option<u32>,
     /// Mean deviation of the round trip, µs.
@@ -100,16 +102,13 @@ pub struct Ports {
 }
 
 /// What the other peer's telemetry says.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct RemoteReport {
     ticks: u32,
-    /// 0 disarmed, 1 armed, 2 faulted.
-    mode: u8,
-    fault: u8,
+    /// Its mode, or its fault with the reason.
+    state: String,
     /// Its coordination force F_T on the object, N; of several shared axes along the first.
     pub coordination_force_n: f32,
-    /// The round trip as it measures it, µs.
-    round_trip_us: u32,
     /// From and to the network.
     energy_received_j: f64,
     energy_sent_j: f64,
@@ -120,17 +119,10 @@ impl RemoteReport {
     pub fn new(said: &Telemetry) -> Self {
         Self {
             ticks: said.tick,
-            mode: said.mode,
-            fault: said.fault,
+            state: mode_words([said.mode, said.fault]),
             coordination_force_n: said.coordination_force,
-            round_trip_us: said.round_trip_us,
             energy_received_j: said.energy_received,
             energy_sent_j: said.energy_sent,
         }
     }
-}
-
-/// Notices and when they were given, µs, as a report has them.
-pub fn notice_texts<'a>(notices: impl IntoIterator<Item = &'a (u64, Notice)>) -> Vec<(f64, String)> {
-    notices.into_iter().map(|(at_us, notice)| (*at_us as f64 * 1e-6, format!("{notice:?}"))).collect()
 }

@@ -195,7 +195,7 @@ impl Drop for Recorder {
 }
 
 /// A mode and a fault by their numbers, in words.
-fn mode_words([mode, fault]: [u8; 2]) -> String {
+pub(crate) fn mode_words([mode, fault]: [u8; 2]) -> String {
     let of_device = DeviceFault::from_number(fault).map(DeviceFault::explain);
     let why = Fault::from_number(fault).map(Fault::explain).or(of_device);
     let names = ["disarmed", "armed", "faulted", "probing"];
