@@ -40,8 +40,9 @@ pub(crate) const UNIT: f64 = f64::from_bits((1023 - 300) << 52);
 /// 2²⁵⁰: an answer above it may have met a limit on its way.
 pub(crate) const TOO_LARGE: f64 = f64::from_bits((1023 + 250) << 52);
 
-/// How exactly a translation must come back to be a rest mode, m.
-const UNMOVED_M: f64 = 1e-12;
+/// How exactly a translation by 1 m must come back to be a rest mode: forces of 1e6 N/m have such roundings. A mode that moves by less counts as
+/// stable ([`crate::ROUNDING`]).
+const UNMOVED: f64 = 1e-9;
 
 /// States of peer `index`'s device along an axis: position, velocity, motor force of the tick before, and those that it holds back. After them, in
 /// the local state of a peer that shares one axis, stands the position of the object.
@@ -189,7 +190,7 @@ fn translate(seat: &mut dyn Seated, along: &[Vec<f64>]) -> Vec<Translation> {
                 *number = sign * sent;
             }
             seat.period(&mut after);
-            after.iter().zip(&local).all(|(after, before)| (after - before).abs() <= UNMOVED_M)
+            after.iter().zip(&local).all(|(after, before)| (after - before).abs() <= UNMOVED)
         });
         translations.push(Translation { local, sent, stays, object });
     }
