@@ -161,7 +161,7 @@ impl Noticed {
         notices.into_iter().map(|(at_us, notice)| Self::new(*at_us, "", notice)).collect()
     }
 
-    /// At this time, µs; `whose` is empty where there is one link only.
+    /// At this time, µs. `whose` is empty if there is one link only.
     pub fn new(time_us: u64, whose: &str, notice: &Notice) -> Self {
         let mut name = format!("{whose}{notice:?}");
         name.truncate(name.find('(').unwrap_or(name.len()));

@@ -42,7 +42,7 @@ pub struct Report {
     pub verdict: Option<Verdict>,
     /// Every change of that which was said, with the time in s since the start.
     pub verdicts: Vec<(f64, String)>,
-    /// It never armed, for its scene was unstable; absent of one that was not refused.
+    /// It never armed, for its scene was unstable. Absent of one that was not refused.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub refused: bool,
     /// What the link reported, in order.
