@@ -131,7 +131,7 @@ fn pulled_and_put_back() {
         [
             "cable out".to_owned(),
             "the coordination fades".to_owned(),
-            "falls to 0".to_owned(),
+            "falls".to_owned(),
             "`peer: fading`".to_owned(),
             newton(steps[1]),
         ],
