@@ -21,7 +21,7 @@ use cohold_sim::device::Device;
 use serde_json::Value;
 
 use super::steps::steps;
-use super::{BUSY_S, LOSSY, Running, SILENT_S, largest_first_step, number, peer, relay, sets};
+use super::{BUSY_S, LOSSY, Running, SILENT_S, fault_of, largest_first_step, number, peer, relay, sets};
 use crate::program::{Keys, cohold, free, report, signal};
 
 const TICK: Duration = Duration::from_millis(1);
@@ -351,7 +351,7 @@ fn each_fault_of_a_board_cuts_the_force_and_is_named() {
         assert!(!ended && cause.starts_with(&format!("fault {numbered}: ")) && cause.contains(words), "{said}\n{live}");
         signal(&second.child, "INT");
         let (_, live, said) = second.end();
-        assert_eq!(number(&live["other"], "fault"), f64::from(numbered), "{said}\n{live}");
+        assert_eq!(fault_of(&live["other"]), Some(numbered), "{said}\n{live}");
         let after_s = lab.last_force_s() - failed_s;
         println!("{fault:?}: last force {:.1} ms after it; {cause}", 1e3 * after_s);
         assert!(after_s < SILENT_S + LADDER_S + BUSY_S, "{fault:?}: a force {after_s} s later");

@@ -7,7 +7,7 @@ use cohold_emulators::motors::{Emulator, Fault};
 use serde_json::Value;
 
 use super::emulated::{self, fdcanusb};
-use super::{BUSY_S, Running, SILENT_S, armed, largest_first_step, number, peer};
+use super::{BUSY_S, Running, SILENT_S, armed, fault_of, largest_first_step, number, peer};
 use crate::program::{Keys, free, signal};
 
 /// The motors' own watchdog, s.
@@ -126,7 +126,7 @@ fn each_fault_of_motors_cuts_the_force_and_is_named() {
         );
         signal(&second.child, "INT");
         let (_, live, said) = second.end();
-        assert_eq!(number(&live["other"], "fault"), f64::from(numbered), "{said}\n{live}");
+        assert_eq!(fault_of(&live["other"]), Some(numbered), "{said}\n{live}");
         let mut world = emulator.world();
         let last_s = world.asked.iter().rev().find(|(_, torques)| *torques != [0.0; 2]).expect("a torque").0;
         println!("{fault:?}: last torque asked for {:.1} ms after it; {cause}", 1e3 * (last_s - failed_s));

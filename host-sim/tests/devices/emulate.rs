@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use super::steps::steps;
-use super::{BUSY_S, Running, number, peer};
+use super::{BUSY_S, Running, fault_of, number, peer};
 use crate::program::{Keys, cohold, free, signal};
 
 /// The program, once it serves; the words by which it is attached.
@@ -37,7 +37,7 @@ fn a_peer_holds_an_emulated_device_until_it_falls_silent() {
     assert!(!ended && cause.starts_with("fault 23: "), "{said}\n{live}");
     signal(&second.child, "INT");
     let (_, other, said) = second.end();
-    assert_eq!(number(&other["other"], "fault"), 23.0, "{said}\n{other}");
+    assert_eq!(fault_of(&other["other"]), Some(23), "{said}\n{other}");
     let seen = device.asked_to_end();
     // Two hands of 300 N/m and two contacts of 1000 N/m in a row, stretched by 20 mm.
     let wanted_n = 0.02 / (2.0 / 300.0 + 2.0 / 1000.0);

@@ -7,7 +7,7 @@ use cohold_emulators::inverse3::{Emulator, Fault};
 use serde_json::Value;
 
 use super::emulated::haply;
-use super::{BUSY_S, HAND_N_PER_M, Running, SILENT_S, mean, number, relay, sets};
+use super::{BUSY_S, HAND_N_PER_M, Running, SILENT_S, fault_of, mean, number, relay, sets};
 use crate::program::{Keys, cohold, free, report, signal};
 
 const REACH_M: f64 = 0.015;
@@ -111,7 +111,7 @@ fn three_hold_one_object_and_one_is_at_a_device() {
     // The others go on.
     std::thread::sleep(Duration::from_secs(1));
     let seen = ended(hub, others);
-    assert_eq!(number(&seen["lines"][0]["said"], "fault"), 23.0, "{seen}");
+    assert_eq!(fault_of(&seen["lines"][0]["said"]), Some(23), "{seen}");
     signal(&lossy, "INT");
     println!("{}", report(lossy));
 }

@@ -6,7 +6,7 @@ use cohold_emulators::hand::HAND_N_PER_M;
 use cohold_emulators::inverse3::Fault;
 
 use super::emulated::haply;
-use super::{BUSY_S, Running, SETTINGS, SILENT_S, mean, number, peer, sets};
+use super::{BUSY_S, Running, SETTINGS, SILENT_S, fault_of, mean, peer, sets};
 use crate::program::{Keys, cohold, free, signal};
 
 /// How far the hand at the device reaches, m, and the scene's contact, N/m.
@@ -49,7 +49,7 @@ fn a_page_s_device_holds_an_object_and_lets_go() {
     std::thread::sleep(Duration::from_secs(1));
     signal(&second.child, "INT");
     let (_, live, said) = second.end();
-    assert_eq!(number(&live["other"], "fault"), 23.0, "{said}\n{live}");
+    assert_eq!(fault_of(&live["other"]), Some(23), "{said}\n{live}");
     page.asked_to_end();
 }
 
