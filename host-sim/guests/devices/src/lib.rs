@@ -23,7 +23,7 @@ use cohold_live::devices::Adapter;
 pub use emulate::Emulation;
 
 /// Most attempts to reach the program behind a device, which may be starting, and the pause between two.
-const LOOKS: (usize, Duration) = (60, Duration::from_millis(50));
+const LOOKS: (usize, Duration) = (100, Duration::from_millis(50));
 
 /// The last result of the attempts to reach it.
 fn once_there<T, E>(look: impl Fn() -> Result<T, E>) -> Result<T, E> {
