@@ -125,14 +125,8 @@ fn any(seed: u64) -> Scene {
     (scene.peer.axis.count, scene.peer.axis.shared) = (axes, axes);
     if axes > 1 && random.whole(0, 1) == 0 {
         let inertia = random.spread(1e-4, 1e-2);
-        for key in [
-            if axes == 2 { "kinematics.model=five-bar" } else { "kinematics.model=arm" },
-            "kinematics.left_home_rad=2.9",
-            "kinematics.right_home_rad=1.3",
-            "kinematics.distal_m=0.16",
-            &format!("device.joint_inertia={inertia}"),
-        ] {
-            scene.apply_override(key).expect("a good key");
+        for key in linkage(axes, inertia) {
+            scene.apply_override(&key).expect("a good key");
         }
     } else if random.whole(0, 4) == 0 && axes == 1 {
         let wall = &mut scene.users[0].settings.user;
@@ -141,6 +135,17 @@ fn any(seed: u64) -> Scene {
     }
     scene.check("random").unwrap_or_else(|error| panic!("scene {seed}: {error}"));
     scene
+}
+
+/// Keys of a mechanism with so many axes, and this inertia of each joint, kg·m².
+pub(crate) fn linkage(axes: u32, inertia: f64) -> [String; 5] {
+    [
+        format!("kinematics.model={}", if axes == 2 { "five-bar" } else { "arm" }),
+        "kinematics.left_home_rad=2.9".to_owned(),
+        "kinematics.right_home_rad=1.3".to_owned(),
+        "kinematics.distal_m=0.16".to_owned(),
+        format!("device.joint_inertia={inertia}"),
+    ]
 }
 
 /// What a run does after its kick.

@@ -96,8 +96,9 @@ pub(super) fn open(at: &str, options: &DeviceOptions, _: &Settings) -> Result<Bo
 /// The Inverse3 of this service that these options name.
 fn attached(mut socket: WebSocket<TcpStream>, options: &DeviceOptions) -> Result<Threaded, Error> {
     let (_, told) = hear(&mut socket)?;
-    let device = listed(&told, options.id.as_deref())
-        .ok_or_else(|| format!("it lists no Inverse3 {}", options.id.as_deref().unwrap_or_default()))?;
+    let wanted = options.id.as_deref();
+    let device = listed(&told, wanted)
+        .ok_or_else(|| ["it lists no Inverse3", wanted.unwrap_or_default()].join(" ").trim_end().to_owned())?;
     let id = device["device_id"].as_str().unwrap_or_default().to_owned();
     let hello = json!({
         "session": { "configure": { "profile": { "name": "cohold", "required_version": ">=3.5" } } },

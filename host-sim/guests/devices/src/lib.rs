@@ -16,24 +16,24 @@ mod mit;
 mod moteus;
 mod motors;
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use cohold_live::devices::Adapter;
 
 pub use emulate::Emulation;
 
-/// Most attempts to reach the program behind a device, which may be starting, and the pause between two.
-const LOOKS: (usize, Duration) = (100, Duration::from_millis(50));
+/// How long a program behind a device may take to start, and the pause between two attempts to reach it.
+const STARTS: [Duration; 2] = [Duration::from_secs(5), Duration::from_millis(50)];
 
-/// The last result of the attempts to reach it.
-fn once_there<T, E>(look: impl Fn() -> Result<T, E>) -> Result<T, E> {
-    for _ in 1..LOOKS.0 {
-        match look() {
-            Err(_) => std::thread::sleep(LOOKS.1),
-            found => return found,
+/// The first success, or the failure of the last attempt.
+fn once_there<T, E>(reach: impl Fn() -> Result<T, E>) -> Result<T, E> {
+    let by = Instant::now() + STARTS[0];
+    loop {
+        match reach() {
+            Err(_) if Instant::now() < by => std::thread::sleep(STARTS[1]),
+            reached => return reached,
         }
     }
-    look()
 }
 
 /// The adapters of these devices, and how each looks for what is attached.
