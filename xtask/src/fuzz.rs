@@ -18,10 +18,10 @@ use crate::run::{self, Failure, cargo, command, step};
 /// Folders of targets, and the manifests that name these.
 const FOLDERS: [(&str, &str); 5] = [
     ("protocol/fuzz", include_str!("../../protocol/fuzz/Cargo.toml")),
-    ("host-sim/environments/fuzz", include_str!("../../host-sim/environments/fuzz/Cargo.toml")),
+    ("host-sim/guests/environments/fuzz", include_str!("../../host-sim/guests/environments/fuzz/Cargo.toml")),
     ("host-sim/live/fuzz", include_str!("../../host-sim/live/fuzz/Cargo.toml")),
     ("host-sim/guests/homes/fuzz", include_str!("../../host-sim/guests/homes/fuzz/Cargo.toml")),
-    ("host-sim/fuzz", include_str!("../../host-sim/fuzz/Cargo.toml")),
+    ("host-sim/guests/page/fuzz", include_str!("../../host-sim/guests/page/fuzz/Cargo.toml")),
 ];
 /// Time for each target by default, s.
 const SECONDS: u32 = 60;

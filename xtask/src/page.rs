@@ -1,4 +1,4 @@
-//! `cargo xtask page`: types, lints and format of the live page's sources (host-sim/src/play/site), with tools whose versions and hashes
+//! `cargo xtask page`: types, lints and format of the live page's sources (host-sim/guests/page/src/site), with tools whose versions and hashes
 //! stand in tests/page/package-lock.json; and the browser that the page is tested and measured in.
 
 use std::path::Path;

@@ -5,17 +5,13 @@
 //! | [`continuous`] | continuous rendering: a spring and a damper |
 //! | [`impulsive`] | impulsive rendering: impacts between device and object, felt as pulses of a tick each, and rest |
 //! | [`impact`] | impacts of round bodies and flat walls: time of impact, exchange of momentum |
-//! | [`bounder`] | stiffness and damping that follow the measured round trip |
 //! | [`grip`] | how a contact gives way whose force is limited |
-//! | [`shape`] | polygons and discs in the plane: springs and dampers normal to their surface |
 
-pub mod bounder;
 pub mod continuous;
 pub mod grip;
 pub mod impact;
 pub mod impulsive;
 mod rendering;
-pub mod shape;
 
 use crate::num::{Motion, Scalar};
 

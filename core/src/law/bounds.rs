@@ -9,7 +9,7 @@
 //! and over n ticks changes their integral by at most n·T_c·U, whatever was lost in between: a tick that stands adds nothing.
 //! So every mean that a receiver forms of them is at most U, and moves a free end at no more than √(2/b)·U = V + F/b.
 //!
-//! N lines of b that meet send 2/N·Σu − u_i back into each (see [`super::node`]), at most 3·U: a peer accepts that
+//! N lines of b that meet send 2/N·Σu − u_i back into each, at most 3·U: a peer accepts that
 //! much, since its other end may be a hub ([`Bounds::beyond_a_junction`]); a hub accepts U.
 //!
 //! A law says which of these are its own ([`super::Law::bounds`]). Where the impedance of its line falls to ρ·b its waves keep the unit of b,

@@ -18,7 +18,6 @@ pub mod event;
 pub mod four_channel;
 pub mod free;
 pub mod ledger;
-pub mod node;
 pub mod p_plus_d;
 pub mod power;
 pub mod self_timed;

@@ -5,7 +5,7 @@
 //! | [`fixed`], [`sin_cos`] | does arithmetic round and saturate as it says? |
 //! | [`total`] | is every tick of every scene defined, and within its limits? |
 //! | [`bounds`] | does what another end may say follow from the limits? |
-//! | [`law`], [`copies`], [`node`] | does every law keep its promise? |
+//! | [`law`], [`copies`] | does every law keep its promise? |
 //! | [`object`], [`free_body`], [`rigid`], [`plane`], [`contact`] | do bodies move and touch as mechanics says? |
 //! | [`device`], [`probe`], [`winding`] | does a device read, drive, and find out what is wrong with it? |
 //! | [`peer`] | does a peer start, stop, and hold its forces? |
@@ -17,7 +17,6 @@ mod device;
 mod fixed;
 mod free_body;
 mod law;
-mod node;
 mod object;
 mod peer;
 mod plane;

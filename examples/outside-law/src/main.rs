@@ -70,5 +70,5 @@ impl cohold_sim::Family for Outside {
 }
 
 fn main() -> std::process::ExitCode {
-    cohold::command_line().with_laws(cohold::laws().with::<Outside>()).main()
+    cohold::command_line().with_laws(|laws| laws.with::<Outside>()).main()
 }

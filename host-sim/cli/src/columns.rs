@@ -21,6 +21,9 @@ use serde_json::{Value, json};
 
 use super::{Failure, Ui};
 
+/// The kinds of tables that the heart writes.
+const KINDS: &str = include_str!("tables.txt");
+
 /// The key of an example.
 const KEY: &str = "TABLE.KEY";
 
@@ -86,157 +89,51 @@ fn kinds(ui: &Ui) -> Vec<TableKind> {
     let axis = |of: &str| Axis { range: Range { key: format!("{KEY} of {of}"), from: 0.0, to: 0.0 }, count: 0 };
     let map = Map { axes: [axis("x"), axis("y")], units: [""; 2], columns: Vec::new() };
     let both = Channel::new("/both/ticks", "Tick", Account::columns());
-    let simulated = "a control period; in a long run one of several";
-    let crossing = "a crossing from stable to unstable or back";
-    let mut kinds = vec![
-        TableKind::new("cooperate", "SCENE.csv, SCENE.parquet", simulated, Columns::named(Account::columns())),
-        TableKind::new("sweep", "sweep.csv, sweep.parquet", "a run", swept.columns(&[])),
-        TableKind::new("sweep-rows", "rows-I-of-N.csv", "a run, as they ended", Row::columns()),
-        TableKind::new("sweep-points", "`study sweep --json`, points", "a point", swept.summary(&[])),
-        TableKind::new("study", "study.csv, study.parquet", "a run", studied(|study| study.columns(&[]))),
-        TableKind::new(
-            "study-points",
-            "study-points.csv, study-points.parquet; `study --json`, points",
-            "an entrant over a network at a point of the grid",
-            studied(|study| study.summary(&[], &[])),
-        ),
-        TableKind::new(
-            "study-best",
-            "study-best.csv, study-best.parquet; `study --json`, best",
-            "an entrant on a network",
-            studied(|study| study.answer_columns(&[], &GOAL)),
-        ),
-        TableKind::new(
-            "study-pairs",
-            "study-pairs.csv, study-pairs.parquet; `study --json`, pairs",
-            "two entrants on a network, or on all that they have in common",
-            studied(|study| study.pair_columns(&[])),
-        ),
-        TableKind::new(
-            "bench",
-            "gains.csv, gains.parquet of `study bench`; `study bench --json`, points",
-            "the gains of a law",
-            bench::tables::points(&[]),
-        ),
-        TableKind::new(
-            "bench-fronts",
-            "fronts.csv, fronts.parquet of `study bench`",
-            "a law",
-            bench::tables::fronts(&bench::Found::default()),
-        ),
-        TableKind::new(
-            "bench-nearest",
-            "nearest.csv, nearest.parquet of `study bench`; `study bench --json`, nearest",
-            "a bound of what a hand feels, and which laws",
-            bench::chooser::nearest(&bench::Found::default()),
-        ),
-        TableKind::new(
-            "bench-runs",
-            "all-runs.csv, all-runs.parquet of `study bench`; runs-1-of-1.csv",
-            "a run",
-            bench::tables::runs(&[]),
-        ),
-        TableKind::new(
-            "bench-tunings",
-            "all-tunings.csv, all-tunings.parquet of `study bench`; tunings-1-of-1.csv",
-            "a tuning of a law",
-            bench::tables::tunings(&[]),
-        ),
-        TableKind::new(
-            "campaign",
-            "`study networks --json`; laws-networks.csv, laws-networks.parquet",
-            "a way to hold the copies together, and a network",
-            campaign::columns(&[]),
-        ),
-        TableKind::new(
-            "campaign-costs",
-            "`study networks --costs --json`",
-            "a network, and a way to hold the copies together",
-            campaign::cost_columns(&[]),
-        ),
-        TableKind::new("laws", "laws.csv, laws.parquet", "a law", campaign::laws::tables::columns(&[])),
-        TableKind::new(
-            "laws-impedance",
-            "laws-impedance.csv, laws-impedance.parquet",
-            "a law, and a frequency",
-            campaign::laws::tables::impedance_columns(&[]),
-        ),
-        TableKind::new(
-            "paper",
-            "paper.csv, reproduce-experiments.csv",
-            "an experiment",
-            paper::experiment_columns(&[]),
-        ),
-        TableKind::new(
-            "paper-gains",
-            "reproduce-gains.csv; `paper --json`, gains",
-            "a way to hold the copies together",
-            paper::gain_columns(&[]),
-        ),
-        TableKind::new("reproduce", "reproduce.csv", "a claim", reproduce::columns(&[])),
-        TableKind::new("stability-paper", "figure4.csv, reproduce-figure-4.csv", crossing, figure4::table(&[])),
-        TableKind::new("stability-map", "map-SCENE-KEY-KEY.csv", crossing, map.table()),
-        TableKind::new("stability-rendering", "rendering.csv, reproduce-rendering.csv", crossing, maps::table(&[])),
-        TableKind::new("accuracy", "accuracy.csv", "a choice", accuracy::columns([], true)),
-        TableKind::new(
-            "accuracy-precision",
-            "`accuracy precision --json`",
-            "a scene, until a time",
-            precision::columns(&[]),
-        ),
-        TableKind::new(
-            "accuracy-time",
-            "`accuracy time --json`",
-            "a scheme at a control rate",
-            accuracy::timed::columns(&[]),
-        ),
-        TableKind::new(
-            "accuracy-rigid",
-            "`accuracy rigid --json`",
-            "a number type at a step",
-            accuracy::rigid::columns(&[]),
-        ),
-        TableKind::new(
-            "force-response",
-            "`accuracy force --json`, response",
-            "a frequency",
-            force::response_columns(&[]),
-        ),
-        TableKind::new("force-moving", "`accuracy force --json`, moving", "a command", force::moving_columns(&[])),
-        TableKind::new(
-            "transparency",
-            "`accuracy transparency --json`, ends",
-            "an end at a delay",
-            transparency::columns(&[]),
-        ),
-        TableKind::new(
-            "transparency-responses",
-            "transparency.csv, transparency.parquet",
-            "an end at a delay, and a frequency",
-            transparency::response_columns(&[]),
-        ),
-        TableKind::new(
-            "network-trace",
-            "the FILE of `network trace`",
-            "a copy of a packet, or a packet that is lost",
-            Columns::named(trace::COLUMNS),
-        ),
-        TableKind::new("merge", "the OUT of `recording merge`", "an instant", Columns::named(merge::COLUMNS)),
-        TableKind::new(
-            "merge-axes",
-            "the OUT of `recording merge` of several shared axes, behind the columns of one",
-            "an instant",
-            Columns::named(merge::columns(3).skip(merge::COLUMNS.len())),
-        ),
-        TableKind::new(
-            "board",
-            "the FILE.csv of `board operator --record`",
-            "a tick that came",
-            Columns::named(cohold_board_tools::recording::COLUMNS),
-        ),
-        TableKind::new("figure", "SVG and PDF: the data inside", "a point of a figure", Columns::named(DATA_COLUMNS)),
-        TableKind::of("cooperate", both),
+    let made = [
+        ("cooperate", Columns::named(Account::columns())),
+        ("sweep", swept.columns(&[])),
+        ("sweep-rows", Row::columns()),
+        ("sweep-points", swept.summary(&[])),
+        ("study", studied(|study| study.columns(&[]))),
+        ("study-points", studied(|study| study.summary(&[], &[]))),
+        ("study-best", studied(|study| study.answer_columns(&[], &GOAL))),
+        ("study-pairs", studied(|study| study.pair_columns(&[]))),
+        ("bench", bench::tables::points(&[])),
+        ("bench-fronts", bench::tables::fronts(&bench::Found::default())),
+        ("bench-nearest", bench::chooser::nearest(&bench::Found::default())),
+        ("bench-runs", bench::tables::runs(&[])),
+        ("bench-tunings", bench::tables::tunings(&[])),
+        ("campaign", campaign::columns(&[])),
+        ("campaign-costs", campaign::cost_columns(&[])),
+        ("laws", campaign::laws::tables::columns(&[])),
+        ("laws-impedance", campaign::laws::tables::impedance_columns(&[])),
+        ("paper", paper::experiment_columns(&[])),
+        ("paper-gains", paper::gain_columns(&[])),
+        ("reproduce", reproduce::columns(&[])),
+        ("stability-paper", figure4::table(&[])),
+        ("stability-map", map.table()),
+        ("stability-rendering", maps::table(&[])),
+        ("accuracy", accuracy::columns([], true)),
+        ("accuracy-precision", precision::columns(&[])),
+        ("accuracy-time", accuracy::timed::columns(&[])),
+        ("accuracy-rigid", accuracy::rigid::columns(&[])),
+        ("force-response", force::response_columns(&[])),
+        ("force-moving", force::moving_columns(&[])),
+        ("transparency", transparency::columns(&[])),
+        ("transparency-responses", transparency::response_columns(&[])),
+        ("network-trace", Columns::named(trace::COLUMNS)),
+        ("merge", Columns::named(merge::COLUMNS)),
+        ("merge-axes", Columns::named(merge::columns(3).skip(merge::COLUMNS.len()))),
+        ("board", Columns::named(cohold_board_tools::recording::COLUMNS)),
+        ("figure", Columns::named(DATA_COLUMNS)),
     ];
+    let listed = KINDS.lines().filter_map(|line| {
+        let (name, rest) = line.split_once(" | ")?;
+        let (place, row) = rest.split_once(" | ")?;
+        let (_, columns) = made.iter().find(|(known, _)| *known == name)?;
+        Some(TableKind::new(name, place, row, columns.clone()))
+    });
+    let mut kinds: Vec<_> = listed.chain([TableKind::of("cooperate", both)]).collect();
     let channels = [
         ("recording", vec![log_channel()]),
         ("peer", ticks::channels("peer_1", 1)),
@@ -247,7 +144,7 @@ fn kinds(ui: &Ui) -> Vec<TableKind> {
     for (of, all) in channels {
         kinds.extend(all.into_iter().map(|channel| TableKind::of(of, channel)));
     }
-    kinds.extend(ui.tables.iter().flat_map(|tables| tables()));
+    kinds.extend(ui.tables.iter().flat_map(|tables| tables(ui)));
     kinds
 }
 

@@ -16,6 +16,7 @@
 //! | claims of a paper, for `paper reproduce` | [`Cli::with_paper`] |
 //! | a road, by which an end is met | [`Cli::with_road`] |
 //! | adapters of devices | [`Cli::with_device`] |
+//! | environments for the page | [`Cli::with_environments`] |
 #![forbid(unsafe_code)]
 
 mod accuracy;
@@ -56,6 +57,7 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
 
 use cohold_live::devices::{Adapter, Opens};
+use cohold_live::playable::Playable;
 use cohold_report::Columns;
 use cohold_sim::{Laws, scene::nearest};
 use cohold_studies::{proof::Prover, reproduce::Paper};
@@ -95,6 +97,11 @@ pub trait Commands: Subcommand {
     /// # Errors
     /// It could not do what was asked, or the result is no good one.
     fn run(&self, ui: &Ui) -> Result<(), Failure>;
+
+    /// Completes the commands with values from other guests.
+    fn told(commands: clap::Command, _: &Ui) -> clap::Command {
+        commands
+    }
 }
 
 /// Two people hold one virtual object over a network. Simulates, measures and proves it.
@@ -183,12 +190,14 @@ fn negative_numbers(command: clap::Command) -> clap::Command {
 
 /// What a command that was added does with what clap has read of the line.
 type Does = dyn Fn(&clap::ArgMatches, &Ui) -> Result<(), Failure>;
+/// Tells clap of commands.
+type Declares = dyn Fn(clap::Command, &Ui) -> clap::Command;
 
 /// Commands that a guest adds below one of the heart's, or below none: how clap is told of them, whether a word is one of them, and what is
 /// done with the words behind it.
 struct Added {
     under: &'static str,
-    declare: Box<dyn Fn(clap::Command) -> clap::Command>,
+    declare: Box<Declares>,
     has: Box<dyn Fn(&str) -> bool>,
     run: Box<Does>,
 }
@@ -232,10 +241,17 @@ impl Default for Cli {
 }
 
 impl Cli {
-    /// With these laws, in every command.
+    /// With the commit that the program is built from, for the files that it writes.
     #[must_use]
-    pub fn with_laws(mut self, laws: Laws) -> Self {
-        self.ui.laws = laws;
+    pub fn built_from(mut self, commit: Option<&str>) -> Self {
+        self.ui.provenance = provenance(commit);
+        self
+    }
+
+    /// Adds laws to those that there are, in every command: `|laws| laws.with::<Mine>()`.
+    #[must_use]
+    pub fn with_laws(mut self, add: fn(Laws) -> Laws) -> Self {
+        self.ui.laws = add(self.ui.laws);
         self
     }
 
@@ -251,7 +267,7 @@ impl Cli {
     pub fn with_commands<C: Commands + 'static>(mut self, under: &'static str) -> Self {
         self.added.push(Added {
             under,
-            declare: Box::new(C::augment_subcommands),
+            declare: Box::new(|command, ui| C::told(C::augment_subcommands(command), ui)),
             has: Box::new(C::has_subcommand),
             run: Box::new(|matches, ui| C::from_arg_matches(matches)?.run(ui)),
         });
@@ -273,7 +289,7 @@ impl Cli {
 
     /// Adds kinds of tables to those that `recording columns` explains.
     #[must_use]
-    pub fn with_tables(mut self, tables: fn() -> Vec<TableKind>) -> Self {
+    pub fn with_tables(mut self, tables: fn(&Ui) -> Vec<TableKind>) -> Self {
         self.ui.tables.push(tables);
         self
     }
@@ -307,7 +323,7 @@ impl Cli {
     ) -> Self {
         self.added.push(Added {
             under: "",
-            declare: Box::new(move |command| command.subcommand(A::augment_args(clap::Command::new(name)))),
+            declare: Box::new(move |command, _| command.subcommand(A::augment_args(clap::Command::new(name)))),
             has: Box::new(move |word| word == name),
             run: Box::new(move |matches, ui| {
                 let matches = matches.subcommand_matches(name).unwrap_or(matches);
@@ -339,6 +355,13 @@ impl Cli {
     #[must_use]
     pub fn with_device(self, name: &'static str, open: Opens) -> Self {
         self.with_adapters(&[Adapter { name, place: "[:PLACE]", check: |_, _| Ok(()), open, look: |_| Vec::new() }])
+    }
+
+    /// Adds environments that the page can show.
+    #[must_use]
+    pub fn with_environments(mut self, environments: &'static [Playable]) -> Self {
+        self.ui.environments = environments;
+        self
     }
 
     /// Adds adapters of devices that `devices` looks for.
@@ -379,8 +402,8 @@ impl Cli {
     /// Every command, those of guests last.
     fn command(&self) -> clap::Command {
         let add = |command: clap::Command, added: &Added| match added.under {
-            "" => as_described(command, &added.declare),
-            under => command.mut_subcommand(under, |command| as_described(command, &added.declare)),
+            "" => as_described(command, |command| (added.declare)(command, &self.ui)),
+            under => command.mut_subcommand(under, |of| as_described(of, |of| (added.declare)(of, &self.ui))),
         };
         let mut command = self.added.iter().fold(CommandLine::command(), add);
         if let Some(Road { at, declare, .. }) = &self.road {

@@ -17,6 +17,7 @@ use serde_json::Value;
 
 use cohold_io::{Kind, escaped};
 use cohold_live::devices::Adapter;
+use cohold_live::playable::Playable;
 use cohold_plot::{Print, write_file};
 use cohold_report::{Columns, Files, Provenance, word};
 use cohold_sim::Laws;
@@ -51,13 +52,15 @@ pub struct Ui {
     /// What is said of where the other end is met.
     pub meeting: Arc<dyn Meets>,
     /// Kinds of tables from outside.
-    pub(crate) tables: Vec<fn() -> Vec<TableKind>>,
+    pub(crate) tables: Vec<fn(&Self) -> Vec<TableKind>>,
     /// Papers from outside.
     pub(crate) papers: Vec<Paper>,
     /// Proofs of laws that core does not have.
     pub(crate) prover: Prover,
     /// Adapters of devices.
     pub(crate) devices: Vec<Adapter>,
+    /// Environments that a page can show.
+    pub environments: &'static [Playable],
 }
 
 /// Where files go.
@@ -111,7 +114,8 @@ impl Ui {
             papers: Vec::new(),
             prover: |_| None,
             devices: Vec::new(),
-            provenance: provenance(),
+            environments: &[],
+            provenance: provenance(None),
         }
     }
 
@@ -353,9 +357,9 @@ impl Ui {
     }
 }
 
-/// This program, from now on: what its files say of what made them.
-pub fn provenance() -> Provenance {
-    Provenance::now(env!("CARGO_PKG_VERSION"), option_env!("COHOLD_COMMIT").unwrap_or("unknown"))
+/// The program of this commit, run from now on: files contain what made them.
+pub fn provenance(commit: Option<&str>) -> Provenance {
+    Provenance::now(env!("CARGO_PKG_VERSION"), commit.unwrap_or("unknown"))
 }
 
 /// These fields, and after them those of a document.

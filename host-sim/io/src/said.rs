@@ -56,10 +56,10 @@ const INK_ON_PAPER: [&str; 2] = ["\u{1b}[38;5;16;48;5;231m", "\u{1b}[0m"];
 
 /// Prints a picture of block characters on standard error, line by line: black on white where that is a terminal, whether its own colours are
 /// dark or light.
-pub fn draw(lines: impl IntoIterator<Item = String>) {
+pub fn draw(lines: impl IntoIterator<Item: AsRef<str>>) {
     let coloured = io::stderr().is_terminal() && std::env::var_os("TERM").is_none_or(|name| name != "dumb");
     let [ink, end] = if coloured { INK_ON_PAPER } else { [""; 2] };
-    let lines = lines.into_iter().map(|line| format!("{ink}{}{end}\n", escaped(&line)));
+    let lines = lines.into_iter().map(|line| format!("{ink}{}{end}\n", escaped(line.as_ref())));
     let _ = io::Write::write_all(&mut io::stderr(), lines.collect::<String>().as_bytes());
 }
 

@@ -27,6 +27,18 @@ pub const FASTEST: f64 = 0.5;
 /// Share of its speed that a hand takes on in a tick: a jump of a few ticks is no blow through the damper.
 const AGILITY: f64 = 0.1;
 
+/// Farthest that a device goes from the middle, m.
+pub const REACH_M: f64 = 0.12;
+/// The ends of its travel, N/m and N·s/m.
+pub const END_STIFFNESS: f64 = 500.0;
+const END_DAMPING: f64 = 5.0;
+
+/// Force of a device's end of travel against a pull, N.
+pub fn end_of_travel(Motion { position, velocity }: Motion<f64>) -> f64 {
+    let beyond = position - position.clamp(-REACH_M, REACH_M);
+    if beyond == 0.0 { 0.0 } else { END_STIFFNESS * beyond + END_DAMPING * velocity }
+}
+
 /// A hand that follows a pointer along `N` axes.
 #[derive(Clone, Debug)]
 pub struct Hand<const N: usize = 1> {

@@ -16,6 +16,7 @@ pub mod node;
 pub mod operator;
 pub mod path_watch;
 pub mod peer;
+pub mod playable;
 pub mod quantiles;
 pub mod recording;
 pub mod refused;

@@ -20,7 +20,13 @@ mod study;
 mod sweep;
 mod work;
 
+use cohold_report::Provenance;
 use pyo3::prelude::*;
+
+/// Files name the commit if whoever builds this module gives it.
+fn provenance() -> Provenance {
+    cohold_cli::provenance(option_env!("COHOLD_COMMIT"))
+}
 
 #[pymodule]
 mod _native {

@@ -221,7 +221,7 @@ impl LivePeer {
         let peer = live_peer::LivePeer { scene, number, key, ends, span, anyway };
         let (steering, stop) = (Arc::new(Steering::new(arm)), Stop::default());
         let wanted = LiveOptions {
-            record: record.map(|file| (file, peer.provenance(cohold_cli::provenance()))),
+            record: record.map(|file| (file, peer.provenance(crate::provenance()))),
             manner: Manner::Quiet,
             device,
             steering: Some(steering.clone()),

@@ -4,7 +4,6 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use cohold_cli::provenance;
 use cohold_core::names::Choice;
 use cohold_plot::Print;
 use cohold_report::{Files, Provenance};
@@ -162,7 +161,7 @@ impl Study {
             refused(format!("search = {search:?} is not allowed: it must be one of {:?}", Search::NAMES))
         })?;
         let goal = goal(best, at_most)?;
-        let question = self.study.question(provenance()).map_err(refused)?;
+        let question = self.study.question(crate::provenance()).map_err(refused)?;
         let opened = folder.as_ref().map(|folder| sweep::Journal::open(folder, "study", &question, (1, 1)));
         let (journal, there) = match opened.transpose().map_err(failed)? {
             Some((journal, rows)) => (Some(Arc::new(journal)), rows),

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use cohold_cli::provenance;
 use cohold_core::names::Choice;
 use cohold_report::Provenance;
 use cohold_studies::sweep;
@@ -58,7 +57,7 @@ pub(crate) fn written(of: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<String>> {
 
 impl Sweep {
     fn question(&self) -> PyResult<Provenance> {
-        self.sweep.question(provenance()).map_err(refused)
+        self.sweep.question(crate::provenance()).map_err(refused)
     }
 }
 

@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use cohold_emulators::asked::{Asked, KEPT};
+
 use super::steps::steps;
 use super::{BUSY_S, Running, fault_of, number, peer};
 use crate::program::{Keys, cohold, free, signal};
@@ -134,4 +136,17 @@ fn a_hand_that_moves_by_itself_passes_the_ten_steps() {
     println!("{said}");
     assert!(passed && told["passed"].as_array().map(Vec::len) == Some(10), "{said}\n{told}");
     assert!(number(&device.asked_to_end(), "orders") > 1_000.0);
+}
+
+/// An emulator that runs for days does not grow with them.
+#[test]
+fn the_newest_orders_are_kept_and_all_are_counted() {
+    let mut asked = Asked::<1>::default();
+    let count = 5 * KEPT as u64 + 3;
+    (0..count).for_each(|at| asked.push(at as f64, [if at % 1000 == 7 { 1.0 } else { 0.0 }]));
+    assert!((KEPT..=2 * KEPT).contains(&asked.len()), "{}", asked.len());
+    let all = asked.windows(2).all(|two| two[1].0 == two[0].0 + 1.0);
+    assert!(all && asked.last().map(|last| last.0) == Some(count as f64 - 1.0));
+    let last_push_s = (0..count).rev().find(|at| at % 1000 == 7).map(|at| at as f64);
+    assert_eq!((asked.count(), asked.last_push_s()), (count, last_push_s));
 }

@@ -125,11 +125,3 @@ fn what_comes_from_outside_is_short() {
     println!("a law takes {law} lines, a device {device}, a command with its study {command}");
     assert!(law <= 45 && device <= 40 && command <= 30, "law {law}, device {device}, command {command}");
 }
-
-/// Without any guest the command line computes the same.
-#[test]
-fn the_heart_alone_has_the_papers_numbers() {
-    let [alone, with_all] = [built().join("examples/heart"), Path::new(env!("CARGO_BIN_EXE_cohold")).to_owned()]
-        .map(|program| json(&program, &["paper"]));
-    assert_eq!(alone["experiments"], with_all["experiments"]);
-}

@@ -9,6 +9,7 @@ mod command_line;
 mod cooperative;
 mod declared;
 mod examples;
+mod guests;
 mod hub;
 mod key_files;
 mod letters;

@@ -6,7 +6,7 @@
 //! well again, and what must become true in the end is asserted, too.
 
 pub mod check;
-#[allow(dead_code)] // Roles need all of it (host-sim/environments/fuzz), a line does not.
+#[allow(dead_code)] // Roles need all of it (host-sim/guests/environments/fuzz), a line does not.
 mod net;
 mod pair;
 mod script;

@@ -27,7 +27,7 @@ const LOOKS: Duration = Duration::from_millis(2);
 
 cohold_cli::commands! {
     /// Below `devices`.
-    pub Emulation {
+    pub(crate) Emulation {
         /// A device that is not there, to attach in the place of one: its protocol on the real transport, a hand on it, and faults to plant.
         Emulate(Emulate),
     }
@@ -49,7 +49,7 @@ enum Kind {
 /// trembles; `clutch_…` presses button a), until Ctrl-C. Prints the words by which `cohold` attaches it.
 #[derive(Debug, Args)]
 #[command(mut_arg("scene", |scene| scene.help("Scene file (TOML) or built-in scene [default: any-network at rest]")))]
-pub struct Emulate {
+pub(crate) struct Emulate {
     /// Which device.
     #[arg(value_name = "DEVICE")]
     kind: Kind,

@@ -18,9 +18,10 @@ mod motors;
 
 use std::time::{Duration, Instant};
 
+use cohold_cli::Cli;
 use cohold_live::devices::Adapter;
 
-pub use emulate::Emulation;
+use emulate::Emulation;
 
 /// How long a program behind a device may take to start, and the pause between two attempts to reach it.
 const STARTS: [Duration; 2] = [Duration::from_secs(5), Duration::from_millis(50)];
@@ -34,6 +35,11 @@ fn once_there<T, E>(reach: impl Fn() -> Result<T, E>) -> Result<T, E> {
             reached => return reached,
         }
     }
+}
+
+/// Adds these devices to a command line.
+pub fn join(cli: Cli) -> Cli {
+    cli.with_adapters(&ADAPTERS).with_commands::<Emulation>("devices")
 }
 
 /// The adapters of these devices, and how each looks for what is attached.

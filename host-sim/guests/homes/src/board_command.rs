@@ -13,7 +13,7 @@ use crate::command::Shown;
 
 cohold_cli::commands! {
     /// Below `board`.
-    pub BoardCommands {
+    pub(crate) BoardCommands {
         /// Reach a partner far away for a board: this PC stands beside it and carries its sealed datagrams to a meeting, unopened.
         Bridge(Bridging),
     }
@@ -23,7 +23,7 @@ cohold_cli::commands! {
 #[command(mut_arg("key_file", |arg| arg.help("The peers' key file that the board was provisioned with; the far end has the same")))]
 #[command(mut_arg("quiet", |arg| arg.help("Say nothing while it runs; without it, which way the flow goes, and whether the board is there")))]
 #[command(mut_arg("json_lines", |arg| arg.help("Say that, and in the end the report, as a JSON object each, one a line, on standard output")))]
-pub struct Bridging {
+pub(crate) struct Bridging {
     /// The board's address; its port is 7701 unless another is given. What comes from elsewhere goes nowhere.
     #[arg(long, value_name = "ADDRESS[:PORT]", value_parser = |text: &str| endpoint_at(text, Some(PORT)))]
     board: SocketAddr,

@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::qr::Code;
 use clap::Args;
 use cohold_cli::address::endpoint;
 use cohold_cli::flags::seconds;
@@ -15,6 +14,8 @@ use cohold_cli::{Failure, Ui};
 use cohold_live::endpoint::Stop;
 use cohold_live::key_file;
 use cohold_protocol::key::{Key, Role};
+use qrcode::render::unicode::Dense1x2;
+use qrcode::{EcLevel, QrCode};
 
 use crate::agreement::{Inviter, LIFE};
 use crate::carried::{Meeting, resolve};
@@ -23,17 +24,17 @@ use crate::{invitation, meet};
 
 cohold_cli::commands! {
     /// Beside the heart's.
-    pub MeetCommands {
+    pub(crate) MeetCommands {
         /// Run a rendezvous server for two homes, with a relay that cannot read the traffic.
         Meet(Meet),
     }
 }
 
 /// The commands that take [`MeetingFlags`].
-pub const MEETING: [&str; 2] = ["peer", "play"];
+pub(crate) const MEETING: [&str; 2] = ["peer", "play"];
 
 /// Adds [`MeetingFlags`] to one of them: who is met needs no address, and who comes by a link no key and no number.
-pub fn declare(command: clap::Command) -> clap::Command {
+pub(crate) fn declare(command: clap::Command) -> clap::Command {
     let (link, met) = (["invite", "accept"], ["meet", "accept"]);
     let mut command = MeetingFlags::augment_args(command).mut_arg("number", |arg| arg.conflicts_with_all(link));
     if command.get_name() == "peer" {
@@ -48,7 +49,7 @@ pub fn declare(command: clap::Command) -> clap::Command {
 /// How a peer or a page meets the other one.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Meeting")]
-pub struct MeetingFlags {
+pub(crate) struct MeetingFlags {
     /// A meeting place (`cohold meet`): relays at first, until a direct path is found. With --key-file at both ends, or with --invite.
     #[arg(long, value_name = "HOST:PORT")]
     meet: Option<String>,
@@ -124,7 +125,8 @@ impl Meets for MeetingFlags {
                 ui.status(format_args!(
                     "send this link to whom you invite; it serves once, within {minutes} minutes:\n{link}"
                 ));
-                cohold_io::draw(Code::of(&link)?.lines());
+                let code = QrCode::with_error_correction_level(&link, EcLevel::L)?;
+                cohold_io::draw(code.render::<Dense1x2>().build().lines());
                 let key = invitation::invite(inviter, stop, |words| cohold_io::say(format_args!("warning: {words}")))?;
                 ui.status("somebody has come with the link, and a key is agreed on");
                 (1, key, meeting)
@@ -146,7 +148,7 @@ impl Meets for MeetingFlags {
 }
 
 #[derive(Debug, Args)]
-pub struct Meet {
+pub(crate) struct Meet {
     /// Where it listens; `[::]:PORT` is of IPv4 and IPv6.
     #[arg(long, value_name = "ADDRESS:PORT", value_parser = endpoint)]
     listen: SocketAddr,

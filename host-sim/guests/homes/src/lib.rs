@@ -8,8 +8,8 @@
 //! Above a carrier is the link of this end, or a [`bridge`] to a board whose link is its own.
 //!
 //! [`carried`], [`meet`], [`invitation`] and [`beside`] have the sockets, the rest opens none and reads no clock: bytes and `now` in, bytes and their
-//! addresses out. The sealed datagrams of [`cohold_protocol`] pass through as they are; whoever carries them cannot read them. [`MeetCommands`],
-//! [`BoardCommands`] and [`MeetingFlags`] are the commands and flags.
+//! addresses out. The sealed datagrams of [`cohold_protocol`] pass through as they are; whoever carries them cannot read them. [`join`] adds the
+//! commands and flags to a command line.
 #![forbid(unsafe_code)]
 
 pub mod agreement;
@@ -30,15 +30,23 @@ pub mod mapping;
 pub mod meet;
 mod paths;
 pub mod place;
-pub mod qr;
 pub mod seat;
 mod signal;
 pub mod stun;
 
-pub use board_command::BoardCommands;
 pub use cohold_live::road::{PathFigures, Way};
-pub use command::{MEETING, MeetCommands, MeetingFlags, declare};
 pub use error::Error;
+
+use board_command::BoardCommands;
+use cohold_cli::Cli;
+use command::{MEETING, MeetCommands, MeetingFlags, declare};
+
+/// Adds the commands of two homes, and the flags by which both ends meet, to a command line.
+pub fn join(cli: Cli) -> Cli {
+    cli.with_commands::<MeetCommands>("")
+        .with_commands::<BoardCommands>("board")
+        .with_road::<MeetingFlags>(&MEETING, declare)
+}
 
 /// Takes a datagram, and where it goes.
 pub type Send<'a> = dyn FnMut(std::net::SocketAddr, &[u8]) + 'a;

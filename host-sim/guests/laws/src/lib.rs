@@ -2,6 +2,9 @@
 //! within their limits.
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "commands")]
+mod papers;
+
 use std::sync::LazyLock;
 
 use cohold_core::law::Law;
@@ -15,6 +18,15 @@ struct Others;
 
 impl Family for Others {
     type Of<S: Scalar> = OtherLaw<S>;
+}
+
+/// Adds these laws, their proofs, and the numbers of their papers to a command line.
+#[cfg(feature = "commands")]
+pub fn join(cli: cohold_cli::Cli) -> cohold_cli::Cli {
+    cli.with_laws(|laws| laws.with::<Others>().as_own())
+        .with_proofs(prove)
+        .with_commands::<papers::Papers>("paper")
+        .with_tables(papers::tables)
 }
 
 /// The laws of core and those of other papers.

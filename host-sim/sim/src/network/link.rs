@@ -38,9 +38,6 @@ impl Payload for [u8] {
     }
 }
 
-#[cfg(feature = "messages")]
-impl Payload for cohold_protocol::wire::Message {}
-
 /// A value that crosses without being put into bytes, with the number that a sealed link would give it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Numbered<T> {

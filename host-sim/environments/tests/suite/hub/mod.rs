@@ -1,8 +1,0 @@
-//! The hub: 2 to 16 peers, each behind a sealed link, hold one object.
-
-mod address;
-mod audit;
-mod junction;
-mod several;
-mod trial;
-mod virtual_time;
