@@ -7,7 +7,7 @@ pub use cohold_cli::Cli;
 pub fn command_line() -> Cli {
     let cli = Cli::default().built_from(option_env!("COHOLD_COMMIT"));
     // To leave a guest out, delete its line here and in `Cargo.toml`.
-    let cli = cohold_guest_laws::join(cli);
+    let cli = cohold_papers::join(cli);
     let cli = cohold_page::join(cli);
     let cli = cohold_environments::join(cli);
     let cli = cohold_homes::join(cli);

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use cohold_core::device::{AXES, Reading};
 use cohold_core::num::Motion;
 use cohold_core::peer::{Actuators, Sensors};
-use cohold_emulators::hand::{HAND_N_PER_M, Hand};
+use cohold_devices::emulators::hand::{HAND_N_PER_M, Hand};
 use cohold_live::endpoint::realtime_beneath;
 use cohold_live::key_file;
 use cohold_live::node::Node;

@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use cohold_emulators::Emulated as _;
-use cohold_emulators::motors::{Emulator, Fault};
+use cohold_devices::emulators::Emulated as _;
+use cohold_devices::emulators::motors::{Emulator, Fault};
 use serde_json::Value;
 
 use super::emulated::{self, fdcanusb};

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use cohold_emulators::asked::{Asked, KEPT};
+use cohold_devices::emulators::asked::{Asked, KEPT};
 
 use super::steps::steps;
 use super::{BUSY_S, Running, fault_of, number, peer};

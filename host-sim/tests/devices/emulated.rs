@@ -3,9 +3,9 @@
 use std::net::Ipv4Addr;
 use std::path::Path;
 
-use cohold_emulators::carrier::Place;
-use cohold_emulators::hand::Hand;
-use cohold_emulators::{inverse3, mit, moteus, motors};
+use cohold_devices::emulators::carrier::Place;
+use cohold_devices::emulators::hand::Hand;
+use cohold_devices::emulators::{inverse3, mit, moteus, motors};
 use cohold_live::endpoint::realtime_beneath;
 
 /// Starts it in a thread with a real-time priority, which its own threads inherit: a device has a processor of its own.

@@ -1,6 +1,6 @@
 //! An end of a line with a device of any kind: the emulator of each, by what they have in common.
 
-use cohold_emulators::{Emulated as _, inverse3, motors};
+use cohold_devices::emulators::{Emulated as _, inverse3, motors};
 
 use super::board::Lab;
 use super::emulated::{self, fdcanusb, haply};

@@ -3,7 +3,7 @@
 use std::process::Command;
 use std::time::Duration;
 
-use cohold_emulators::inverse3::{Emulator, Fault};
+use cohold_devices::emulators::inverse3::{Emulator, Fault};
 use serde_json::Value;
 
 use super::emulated::haply;

@@ -24,8 +24,8 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use cohold_emulators::hand::HAND_N_PER_M;
-use cohold_emulators::inverse3::{Emulator, Fault, HOLDS_S};
+use cohold_devices::emulators::hand::HAND_N_PER_M;
+use cohold_devices::emulators::inverse3::{Emulator, Fault, HOLDS_S};
 use serde_json::Value;
 
 use emulated::haply;

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use cohold_emulators::hand::HAND_N_PER_M;
-use cohold_emulators::inverse3::Fault;
+use cohold_devices::emulators::hand::HAND_N_PER_M;
+use cohold_devices::emulators::inverse3::Fault;
 
 use super::emulated::haply;
 use super::{BUSY_S, Running, SETTINGS, SILENT_S, fault_of, mean, peer, sets};

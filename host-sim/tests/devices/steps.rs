@@ -6,8 +6,8 @@ use std::process::{Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use cohold_emulators::hand::{Hand, STEP_S};
-use cohold_emulators::{Emulated as _, inverse3, motors};
+use cohold_devices::emulators::hand::{Hand, STEP_S};
+use cohold_devices::emulators::{Emulated as _, inverse3, motors};
 use serde_json::Value;
 
 use super::emulated::{self, fdcanusb, haply};

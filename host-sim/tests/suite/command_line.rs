@@ -42,11 +42,10 @@ fn what_is_not_stable_ends_with_status_1_and_says_why() {
 /// Who finds a file in two years knows which program made it.
 #[test]
 fn results_name_the_commit() {
-    let git = Command::new("git").args(["rev-parse", "--short=12", "HEAD"]).output().expect("git runs");
-    let commit = String::from_utf8(git.stdout).expect("text");
     let made = json(&["--json", "stability", "point"])["made"].clone();
-    let said = made["commit"].as_str().expect("a commit").trim_end_matches(", changed");
-    assert!(git.status.success() && said == commit.trim(), "{said}, not {commit}");
+    let commit = made["commit"].as_str().expect("a commit").trim_end_matches(", changed");
+    let git = Command::new("git").args(["cat-file", "-t", commit]).output().expect("git runs");
+    assert_eq!(String::from_utf8_lossy(&git.stdout).trim(), "commit", "{commit}");
 }
 
 #[test]

@@ -27,9 +27,12 @@ fn guests() -> Vec<String> {
 fn folders(guest: &str) -> Vec<String> {
     let packages = read(&repository().join("Cargo.toml"));
     let line = packages.lines().find_map(|line| line.strip_prefix(&format!("{guest} = {{ path = \"")));
-    let (own, _) = line.and_then(|line| line.split_once('"')).expect("a folder");
-    // Laws are apart from their commands, for a board has them too.
-    [own].into_iter().chain((guest == "cohold-guest-laws").then_some("core/laws")).map(str::to_owned).collect()
+    let (package, _) = line.and_then(|line| line.split_once('"')).expect("a folder");
+    let own: Vec<&str> = package.split('/').take(3).collect();
+    let own = own.join("/");
+    // A board has the laws too.
+    let laws = (own == "host-sim/guests/laws").then(|| "core/laws".to_owned());
+    [own].into_iter().chain(laws).collect()
 }
 
 /// A copy of the tree, with the times of its files, without these guests. Its program has this name.

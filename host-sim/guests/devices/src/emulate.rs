@@ -1,14 +1,14 @@
 //! `cohold devices emulate`: a device that is not there, to attach in the place of one, with a hand on it that does what the scene's
-//! user does. What it speaks, and what can go wrong with it, is [`cohold_emulators`]'s.
+//! user does. What it speaks, and what can go wrong with it, is [`crate::emulators`]'s.
 
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use clap::{Args, ValueEnum};
-use cohold_emulators::hand::{Grip, Hand, Task};
-use cohold_emulators::{Emulated, Seen, inverse3};
+use crate::emulators::hand::{Grip, Hand, Task};
+use crate::emulators::{Emulated, Seen, inverse3};
 #[cfg(unix)]
-use cohold_emulators::{carrier::Place, mit, moteus};
+use crate::emulators::{carrier::Place, mit, moteus};
+use clap::{Args, ValueEnum};
 use cohold_live::endpoint::{Stop, realtime_beneath};
 use cohold_sim::scene::Scene;
 use cohold_sim::user::User;

@@ -9,6 +9,7 @@
 
 mod can;
 mod emulate;
+pub mod emulators;
 mod find;
 mod haply;
 mod mechanism;

@@ -31,8 +31,4 @@ pub mod trials;
 pub mod world;
 
 #[cfg(feature = "std")]
-pub use carried::{Crossing, said};
-#[cfg(feature = "std")]
-pub use commands::join;
-#[cfg(feature = "std")]
-pub use error::Error;
+pub use self::{carried::Crossing, carried::said, commands::join, error::Error};

@@ -2,9 +2,6 @@
 //! within their limits.
 #![forbid(unsafe_code)]
 
-#[cfg(feature = "commands")]
-mod papers;
-
 use std::sync::LazyLock;
 
 use cohold_core::law::Law;
@@ -20,18 +17,14 @@ impl Family for Others {
     type Of<S: Scalar> = OtherLaw<S>;
 }
 
-/// Adds these laws, their proofs, and the numbers of their papers to a command line.
-#[cfg(feature = "commands")]
-pub fn join(cli: cohold_cli::Cli) -> cohold_cli::Cli {
-    cli.with_laws(|laws| laws.with::<Others>().as_own())
-        .with_proofs(prove)
-        .with_commands::<papers::Papers>("paper")
-        .with_tables(papers::tables)
+/// Adds these laws to others, as the program's own.
+pub fn add(laws: Laws) -> Laws {
+    laws.with::<Others>().as_own()
 }
 
 /// The laws of core and those of other papers.
 pub fn laws() -> Laws {
-    static LAWS: LazyLock<Laws> = LazyLock::new(|| Laws::built_in().with::<Others>().as_own());
+    static LAWS: LazyLock<Laws> = LazyLock::new(|| add(Laws::built_in()));
     *LAWS
 }
 

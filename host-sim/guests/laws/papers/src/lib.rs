@@ -1,17 +1,27 @@
-//! Numbers that the laws' papers print, beside what the laws do here: [`NUMBERS`], a row a number. More than 5 % off needs a reason, in the row.
+//! The laws of other papers on the command line ([`join`]), and numbers that their papers print: [`NUMBERS`], a row a number. More than 5 % off needs a reason, in the row.
 //! What follows from a paper's equation, and is printed nowhere, is compared in this package's tests.
 
-mod command;
-pub(crate) mod measure;
+#![forbid(unsafe_code)]
 
-use cohold_cli::{Ui, columns::TableKind};
+mod command;
+mod measure;
+
+use cohold_cli::{Cli, Ui, columns::TableKind};
 use cohold_report::Columns;
 use rayon::prelude::*;
 
-pub(crate) use self::command::Papers;
+use self::command::Papers;
 use self::measure as of;
 use cohold_studies::Error;
 use cohold_studies::reproduce::paper::boundary_n_per_m;
+
+/// Adds the laws of other papers, their proofs, and the numbers of their papers to a command line.
+pub fn join(cli: Cli) -> Cli {
+    cli.with_laws(cohold_guest_laws::add)
+        .with_proofs(cohold_guest_laws::prove)
+        .with_commands::<Papers>("paper")
+        .with_tables(tables)
+}
 
 /// A number of a paper, and how it is measured here.
 #[derive(Clone, Copy, Debug)]
@@ -108,7 +118,7 @@ pub(crate) fn columns(rows: &[Row]) -> Columns {
 }
 
 /// Its kind of table.
-pub(crate) fn tables(_: &Ui) -> Vec<TableKind> {
+fn tables(_: &Ui) -> Vec<TableKind> {
     vec![TableKind::new("published", "`paper published --json`", "a number of a law's paper", columns(&[]))]
 }
 

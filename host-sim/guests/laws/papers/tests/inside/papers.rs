@@ -18,7 +18,7 @@ static ROWS: LazyLock<Vec<Row>> = LazyLock::new(|| rows().expect("measurements")
 #[test]
 fn every_law_has_a_number_of_its_paper() {
     let known: Vec<&str> = NUMBERS.iter().map(|number| number.law).chain(EQUATIONS.iter().map(|row| row.0)).collect();
-    let laws = crate::laws();
+    let laws = cohold_guest_laws::laws();
     let names: Vec<&str> = laws.all().iter().map(|law| law.name).collect();
     let missing: Vec<_> = names.iter().filter(|name| !known.contains(name)).collect();
     let strange: Vec<_> = known.iter().filter(|name| !names.contains(name)).collect();

@@ -19,7 +19,7 @@ pub(crate) const EACH_TICK: &str = "timing.ticks_per_packet=1";
 
 /// The scene in which the bench tries a law, at the gains that it declares, then with these settings.
 pub(crate) fn scene(law: &str, set: &[&str]) -> Result<Scene, Error> {
-    let laws = crate::laws();
+    let laws = cohold_guest_laws::laws();
     let law = asked_for(laws, law)?[0];
     let set: Vec<String> = set.iter().map(|text| (*text).to_owned()).collect();
     law_scene(laws, law, None, &set)
