@@ -1,4 +1,4 @@
-//! The laws of other papers on the command line ([`join`]), and numbers that their papers print: [`NUMBERS`], a row a number. More than 5 % off needs a reason, in the row.
+//! The laws of other papers on the command line ([`join`]), and numbers that their papers print (`NUMBERS`). More than 5 % off needs a reason, in the row.
 //! What follows from a paper's equation, and is printed nowhere, is compared in this package's tests.
 
 #![forbid(unsafe_code)]
@@ -88,7 +88,7 @@ pub(crate) const NUMBERS: &[Number] = &[
 ///
 /// # Errors
 /// Settings that no peer accepts.
-pub(crate) fn rows() -> Result<Vec<Row>, Error> {
+fn rows() -> Result<Vec<Row>, Error> {
     let row = |number: &Number| Ok(Row { number: *number, ours: (number.ours)()? });
     NUMBERS.par_iter().map(row).collect()
 }
