@@ -63,8 +63,10 @@ fn run(arguments: &Arguments) -> Result<(), cohold_cli::Failure> {
         (None, false) => Some(PathBuf::from("out/board")),
         (out, _) => out.clone(),
     };
-    let provenance =
-        provenance().settings(scene.settings()).with("number_type", "f32").with("seconds", arguments.seconds);
+    let provenance = provenance(option_env!("COHOLD_COMMIT"))
+        .settings(scene.settings())
+        .with("number_type", "f32")
+        .with("seconds", arguments.seconds);
     let written = match folder {
         Some(folder) => {
             let mut files = Files::new(&folder, &name, provenance);
