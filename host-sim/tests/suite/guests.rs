@@ -112,5 +112,6 @@ fn each_guest_can_be_deleted() {
         let copy = without(deleted, &name);
         let programs = cargo(&copy, &["build", "--package", "cohold", "--bin", &name]);
         assert_eq!(experiments(&programs.join(&name)), with_all, "{name}");
+        std::fs::remove_dir_all(copy).expect("it is removed");
     }
 }
