@@ -114,7 +114,10 @@ fn scene(set: &[&str]) -> Scene {
 impl Lab {
     /// Board `number` of this key, whose settings differ so from the scene's, with a hand that trembles.
     pub(super) fn start(key: &str, number: u8, set: &[&str], tremor_m: f64) -> Self {
-        let ends = [free(), free()];
+        // A port that was free a moment ago may be another program's by now.
+        let mut bound = std::iter::repeat_with(free).filter_map(|at| Some((UdpSocket::bind(&at).ok()?, at)));
+        let (socket, own) = bound.next().expect("a free port");
+        let ends = [own, free()];
         let key = key_file::read(Path::new(key), Role::Peers).expect("a key");
         let hand = Hand::new(tremor_m);
         let handle = Handle(Arc::new(Mutex::new(World { hand, fault: Fault::None, asked: Vec::new() })));
@@ -123,7 +126,6 @@ impl Lab {
         let mut node = Node::<1, AXES, _>::with_device(&scene, number, key, entropy, Box::new(handle.clone()))
             .expect("a board")
             .telling_every(0.02);
-        let socket = UdpSocket::bind(&ends[0]).expect("a socket");
         socket.set_nonblocking(true).expect("a socket");
         let (stop, held, to) = (Arc::new(AtomicBool::new(false)), handle.clone(), ends[1].clone());
         let until = stop.clone();
