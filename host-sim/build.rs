@@ -2,6 +2,9 @@
 
 use std::process::Command;
 
+/// Results follow from these.
+const SOURCES: [&str; 4] = ["core", "protocol/src", "host-sim", "Cargo.lock"];
+
 fn git(words: &str) -> Option<String> {
     let output = Command::new("git").args(words.split(' ')).output().ok().filter(|output| output.status.success())?;
     Some(String::from_utf8_lossy(&output.stdout).trim().to_owned())
@@ -11,7 +14,7 @@ fn main() {
     let (Some(commit), Some(root)) = (git("rev-parse --short=12 HEAD"), git("rev-parse --show-toplevel")) else {
         return;
     };
-    for sources in ["core", "protocol/src", "host-sim", "Cargo.lock"] {
+    for sources in SOURCES {
         println!("cargo::rerun-if-changed={root}/{sources}");
     }
     let branch = git("rev-parse --symbolic-full-name HEAD").unwrap_or_default();
@@ -20,6 +23,8 @@ fn main() {
             println!("cargo::rerun-if-changed={path}");
         }
     }
-    let changed = git("status --porcelain --untracked-files=no").is_none_or(|changes| !changes.is_empty());
+    let sources = SOURCES.map(|sources| format!(":/{sources}")).join(" ");
+    let changes = git(&format!("status --porcelain --untracked-files=no -- {sources}"));
+    let changed = changes.is_none_or(|changes| !changes.is_empty());
     println!("cargo::rustc-env=COHOLD_COMMIT={commit}{}", if changed { ", changed" } else { "" });
 }

@@ -23,7 +23,7 @@ mod work;
 use cohold_report::Provenance;
 use pyo3::prelude::*;
 
-/// Files name the commit if whoever builds this module gives it.
+/// What files say of what made them.
 fn provenance() -> Provenance {
     cohold_cli::provenance(option_env!("COHOLD_COMMIT"))
 }
