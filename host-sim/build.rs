@@ -1,4 +1,4 @@
-//! Tells a program which commit it is built from, for the files that it writes; `unknown` where there is no git.
+//! Gives a program the commit that it is built from, for the files that it writes. Without git it is `unknown`.
 
 use std::process::Command;
 

@@ -23,7 +23,7 @@ mod work;
 use cohold_report::Provenance;
 use pyo3::prelude::*;
 
-/// What files say of what made them.
+/// The program that files name.
 fn provenance() -> Provenance {
     cohold_cli::provenance(option_env!("COHOLD_COMMIT"))
 }
